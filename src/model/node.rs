@@ -1,0 +1,274 @@
+//! The tree's nodes, stored flat with children before parents.
+//!
+//! *Theory.* A VCSG model is a tree: leaves are volumes, inner nodes are unary (transform, transfer, cut) and binary
+//! (union, intersection, subtraction) operations (VCSG §2.1–2.3).
+//! *Changes from the paper.* Leaves may also be geometric primitives (WK94), and every sample has a coverage beside its
+//! value (design §3), so that crisp and soft objects obey the same rules.
+//! *Practice.* Nodes live in one vector in post-order. Every pass over the tree is a loop, so neither a deep chain nor a
+//! union of 100,000 parts can exhaust the call stack.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+
+use crate::math::{Aabb, Interval};
+use crate::volume::Bricks;
+
+/// The place of a node in its [`Model`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(u32);
+
+impl NodeId {
+    /// The index into [`Model::nodes`].
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// An oriented plane. Its normal points to what is taken away: a point is kept where
+/// `normal · p + offset ≤ 0` (VCSG §2.2 with the sign chosen so that cuts and half-spaces have outward normals).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit normal, in the frame of the node's child.
+    pub normal: DVec3,
+    /// Signed distance of the origin, millimetres.
+    pub offset: f64,
+}
+
+impl Plane {
+    /// The plane through `point` with outward `normal` (any length above 0), or `None` for a zero or non-finite normal.
+    pub fn through(point: DVec3, normal: DVec3) -> Option<Self> {
+        let normal = normal.try_normalize()?;
+        let offset = -normal.dot(point);
+        offset.is_finite().then_some(Self { normal, offset })
+    }
+}
+
+/// A crisp geometric primitive, in millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A ball.
+    Sphere {
+        /// Its middle.
+        center: DVec3,
+        /// Its radius, above 0.
+        radius: f64,
+    },
+    /// An axis-aligned box.
+    Box(Aabb),
+    /// Everything on the kept side of a plane.
+    HalfSpace(Plane),
+}
+
+/// A function of one value (VCSG §2.2, *transfering*).
+#[derive(Clone, Debug, PartialEq)]
+pub enum ValueMap {
+    /// `scale · v + offset`.
+    Linear {
+        /// Factor.
+        scale: f32,
+        /// Summand.
+        offset: f32,
+    },
+    /// `a · v² + b · v + c`.
+    Quadratic {
+        /// Coefficient of v².
+        a: f32,
+        /// Coefficient of v.
+        b: f32,
+        /// Constant.
+        c: f32,
+    },
+    /// Linear interpolation between `(input, output)` points of strictly rising input, constant beyond both ends.
+    Table(Arc<[(f32, f32)]>),
+}
+
+/// Which set operation a [`Combine`] node does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BooleanOp {
+    /// Either.
+    Union,
+    /// Both.
+    Intersection,
+    /// The first without the second.
+    Subtraction,
+    /// VCSG's general subtraction: the first keeps its extent, and takes `u` where the second overlaps it.
+    SubtractionWithRule,
+}
+
+/// How coverages combine (design §3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Family {
+    /// `max`, `min`: A ∪ A = A.
+    #[default]
+    MinMax,
+    /// `c₁+c₂−c₁c₂`, `c₁c₂`: continuous where soft regions meet (WK94).
+    Product,
+}
+
+/// The binary mapping function `u(v₁, v₂)` of VCSG §2.3, used where both operands are present.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ValueRule {
+    /// v₁.
+    #[default]
+    First,
+    /// v₂.
+    Second,
+    /// The larger.
+    Max,
+    /// The smaller.
+    Min,
+    /// v₁ + v₂.
+    Sum,
+    /// v₁ − v₂.
+    Difference,
+    /// v₁ · v₂.
+    Product,
+    /// (v₁ + v₂) / 2.
+    Average,
+    /// t·v₁ + (1−t)·v₂ with t in [0, 1].
+    Blend(f32),
+}
+
+/// A volume as a leaf.
+#[derive(Clone, Debug)]
+pub struct VolumeLeaf {
+    /// The data; shared by all leaves that use it.
+    pub bricks: Arc<Bricks>,
+    /// VCSG's S: the leaf exists only where its interpolated value lies in this window.
+    pub window: Interval,
+}
+
+/// A binary node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Combine {
+    /// The set operation.
+    pub op: BooleanOp,
+    /// What the value is where both operands are.
+    pub rule: ValueRule,
+    /// How coverages combine.
+    pub family: Family,
+    /// First operand.
+    pub first: NodeId,
+    /// Second operand.
+    pub second: NodeId,
+}
+
+/// One node of the tree.
+#[derive(Clone, Debug)]
+pub enum Node {
+    /// A scan.
+    Volume(VolumeLeaf),
+    /// A crisp primitive of constant value.
+    Primitive {
+        /// Its geometry.
+        shape: Shape,
+        /// Its value.
+        value: f32,
+    },
+    /// The child moved by an invertible affine map, mirror and shear included.
+    Transform {
+        /// What is moved.
+        child: NodeId,
+        /// Where it goes.
+        parent_from_child: DAffine3,
+    },
+    /// The child with its values mapped.
+    Transfer {
+        /// Whose values.
+        child: NodeId,
+        /// The mapping.
+        map: ValueMap,
+    },
+    /// The child on the kept side of a plane.
+    Cut {
+        /// What is cut.
+        child: NodeId,
+        /// The plane.
+        plane: Plane,
+    },
+    /// Two children combined.
+    Combine(Combine),
+}
+
+impl Node {
+    /// The node's children, first operand first.
+    pub fn children(&self) -> impl Iterator<Item = NodeId> {
+        let (first, second) = match self {
+            Self::Volume(_) | Self::Primitive { .. } => (None, None),
+            Self::Transform { child, .. }
+            | Self::Transfer { child, .. }
+            | Self::Cut { child, .. } => (Some(*child), None),
+            Self::Combine(c) => (Some(c.first), Some(c.second)),
+        };
+        first.into_iter().chain(second)
+    }
+}
+
+/// A VCSG tree (or, where a node has two parents, a directed acyclic graph): nodes in post-order, the last one the root.
+///
+/// ```
+/// use vcsg::model::{Model, Node, Shape};
+/// use glam::DVec3;
+///
+/// let mut model = Model::default();
+/// let ball = model.push(Node::Primitive {
+///     shape: Shape::Sphere { center: DVec3::ZERO, radius: 10.0 },
+///     value: 100.0,
+/// });
+/// assert_eq!(model.root(), Some(ball));
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    nodes: Vec<Node>,
+}
+
+impl Model {
+    /// Adds a node, which becomes the root.
+    ///
+    /// # Panics
+    /// If a child is not yet in the model: children come before their parents.
+    pub fn push(&mut self, node: Node) -> NodeId {
+        let id = NodeId(u32::try_from(self.nodes.len()).expect("at most 2^32 nodes"));
+        for child in node.children() {
+            assert!(child < id, "child {child:?} must precede its parent {id:?}");
+        }
+        self.nodes.push(node);
+        id
+    }
+
+    /// Folds `operands` from the left with one operation: `((a op b) op c) …`; `None` when there are none.
+    pub fn fold(
+        &mut self,
+        op: BooleanOp,
+        rule: ValueRule,
+        family: Family,
+        operands: impl IntoIterator<Item = NodeId>,
+    ) -> Option<NodeId> {
+        operands.into_iter().reduce(|first, second| {
+            self.push(Node::Combine(Combine {
+                op,
+                rule,
+                family,
+                first,
+                second,
+            }))
+        })
+    }
+
+    /// All nodes, children before parents.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The node at `id`.
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id.index()]
+    }
+
+    /// The node that the model is; `None` when it is empty.
+    pub fn root(&self) -> Option<NodeId> {
+        let last = self.nodes.len().checked_sub(1)?;
+        Some(NodeId(last as u32))
+    }
+}
