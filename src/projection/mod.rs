@@ -1,0 +1,13 @@
+//! From a target to a frame: cameras, transfer functions, lights, sampling planes, and the projectors that use them
+//! (VCSG §3.3).
+
+mod camera;
+mod light;
+pub mod presets;
+mod settings;
+mod transfer;
+
+pub use camera::{Camera, Lens, Projection, View};
+pub use light::{DepthCue, Light, Material, Shading};
+pub use settings::{Mode, Settings};
+pub use transfer::{ControlPoint, TransferError, TransferFunction, TransferTable};

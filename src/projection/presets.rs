@@ -1,0 +1,1 @@
+//! Transfer-function presets for CT and MR.
