@@ -6,7 +6,7 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use crate::math::Aabb;
+use crate::math::{Aabb, Viewpoint};
 
 /// How rays leave the eye.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -155,25 +155,6 @@ impl Camera {
 
     fn center_px(&self) -> DVec2 {
         DVec2::new(f64::from(self.size[0]), f64::from(self.size[1])) * 0.5
-    }
-}
-
-/// Where a viewer is seen from, in any affine frame: what decides the order of blocks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Viewpoint {
-    /// Infinitely far away in this direction.
-    Direction(DVec3),
-    /// At this point.
-    Point(DVec3),
-}
-
-impl Viewpoint {
-    /// The same viewpoint in another frame.
-    pub fn transformed(self, dst_from_src: &DAffine3) -> Self {
-        match self {
-            Self::Direction(d) => Self::Direction(dst_from_src.matrix3 * d),
-            Self::Point(p) => Self::Point(dst_from_src.transform_point3(p)),
-        }
     }
 }
 
