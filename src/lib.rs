@@ -2,8 +2,10 @@
 
 #![warn(missing_docs)]
 
+pub mod image;
 pub mod math;
 pub mod model;
+pub mod output;
 pub mod projection;
 pub mod target;
 pub mod volume;

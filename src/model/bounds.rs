@@ -77,9 +77,7 @@ fn clip(bounds: &Aabb, plane: &Plane) -> Aabb {
     });
     let clipped = Aabb::of_points(kept.chain(crossings));
     // A crossing is rounded; no point may be lost for it.
-    clipped
-        .expand(bounds.size() * 1e-12)
-        .intersect(bounds)
+    clipped.expand(bounds.size() * 1e-12).intersect(bounds)
 }
 
 /// Only a plane across an axis bounds a box that is infinite along it.
@@ -132,7 +130,10 @@ mod tests {
         let bounds = Aabb::new(DVec3::ZERO, DVec3::ONE);
         let plane = Plane::through(DVec3::splat(0.25), DVec3::ONE).unwrap();
         let clipped = clip(&bounds, &plane);
-        assert!((clipped.max - DVec3::splat(0.75)).length() < 1e-9, "{clipped:?}");
+        assert!(
+            (clipped.max - DVec3::splat(0.75)).length() < 1e-9,
+            "{clipped:?}"
+        );
         let axis = Plane::through(DVec3::X * 0.5, -DVec3::X).unwrap();
         assert_eq!(clip(&Aabb::ALL, &axis).min.x, 0.5);
     }

@@ -197,7 +197,8 @@ impl Operator {
             }
         };
         // Soft regions mix these values: three products, two sums and a quotient, each rounded.
-        let soft = |r: &SampleRange| r.coverage.hi < 1.0 || (r.coverage.lo > 0.0 && r.coverage.lo < 1.0);
+        let soft =
+            |r: &SampleRange| r.coverage.hi < 1.0 || (r.coverage.lo > 0.0 && r.coverage.lo < 1.0);
         let crisp = |r: &SampleRange| r.coverage.is_point() && !soft(r);
         if hull.is_point() || (crisp(first) && crisp(second)) {
             hull

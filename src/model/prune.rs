@@ -303,7 +303,9 @@ impl Leaf {
     fn range(&self, local: &Aabb) -> SampleRange {
         match &self.source {
             Source::Volume(leaf) => {
-                let value = leaf.bricks.range_index(&local.intersect(&self.local_bounds));
+                let value = leaf
+                    .bricks
+                    .range_index(&local.intersect(&self.local_bounds));
                 let admitted = value.intersect(leaf.window);
                 if admitted.is_empty() {
                     return SampleRange::EMPTY;

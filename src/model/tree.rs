@@ -79,7 +79,10 @@ pub struct Tree {
 #[non_exhaustive]
 pub enum TreeError {
     /// Shared subtrees multiply out to too much.
-    #[error("the tree has over {} steps once its shared parts are written out; use fewer nested uses", Tree::MAX_STEPS)]
+    #[error(
+        "the tree has over {} steps once its shared parts are written out; use fewer nested uses",
+        Tree::MAX_STEPS
+    )]
     TooLarge,
 }
 
@@ -161,7 +164,11 @@ impl Shape {
             Self::Box(bounds) => bounds.contains(p),
             Self::HalfSpace(plane) => plane.distance(p) <= 0.0,
         };
-        if inside { Sample::solid(value) } else { Sample::EMPTY }
+        if inside {
+            Sample::solid(value)
+        } else {
+            Sample::EMPTY
+        }
     }
 }
 
@@ -270,6 +277,16 @@ impl Tree {
         &self.operators[index as usize]
     }
 
+    /// All operators.
+    pub fn operators(&self) -> &[Operator] {
+        &self.operators
+    }
+
+    /// Whether any value is mapped.
+    pub fn has_maps(&self) -> bool {
+        !self.maps.is_empty()
+    }
+
     /// The model at point `p` of the frame: the truth.
     pub fn sample(&self, p: DVec3) -> Sample {
         let mut stack = Vec::new();
@@ -285,7 +302,11 @@ impl Tree {
                 let leaf = self.leaf(i);
                 let local = affine::point(&leaf.local_from_frame, p);
                 let inside = leaf.local_bounds.contains(local);
-                stack.push(if inside { leaf.sample_inside(local) } else { Sample::EMPTY });
+                stack.push(if inside {
+                    leaf.sample_inside(local)
+                } else {
+                    Sample::EMPTY
+                });
             }
             Step::Map(i) => {
                 let top = stack.last_mut().expect("a map has an operand");

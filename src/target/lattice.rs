@@ -33,7 +33,10 @@ pub enum LatticeError {
     #[error("a spacing of {0} mm is not possible; it must be above 0")]
     Spacing(f64),
     /// More voxels along an axis than can be counted exactly.
-    #[error("{voxels:.0} voxels along an axis at a spacing of {spacing_mm} mm; the limit is {}: use a larger spacing", Lattice::MAX_DIM)]
+    #[error(
+        "{voxels:.0} voxels along an axis at a spacing of {spacing_mm} mm; the limit is {}: use a larger spacing",
+        Lattice::MAX_DIM
+    )]
     TooFine {
         /// Voxels along the longest axis.
         voxels: f64,
@@ -56,7 +59,11 @@ impl Lattice {
     ///
     /// # Errors
     /// If the model is empty or unbounded, or the spacing impossible.
-    pub fn of_model(model: &Model, tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
+    pub fn of_model(
+        model: &Model,
+        tree: &Tree,
+        spacing_mm: Option<f64>,
+    ) -> Result<Self, LatticeError> {
         let root = model.root().ok_or(LatticeError::Empty)?;
         let bounds = model.bounds()[root.index()];
         if bounds.is_empty() {

@@ -165,10 +165,9 @@ impl Target {
         let mut flat = Flattener::default();
         flat.nodes.push(OctreeNode::Empty);
         flat.place(subtree, 0, lattice.dims);
-        let value_range = flat
-            .blocks
-            .iter()
-            .fold(Interval::EMPTY, |range, block| range.hull(block.range.value));
+        let value_range = flat.blocks.iter().fold(Interval::EMPTY, |range, block| {
+            range.hull(block.range.value)
+        });
         Ok(Self {
             octree: Octree {
                 root,
@@ -250,7 +249,9 @@ impl Splitter<'_> {
             return std::array::from_fn(octant);
         }
         let octants: Vec<Subtree> = (0..8).into_par_iter().map(octant).collect();
-        octants.try_into().unwrap_or_else(|_| unreachable!("eight octants"))
+        octants
+            .try_into()
+            .unwrap_or_else(|_| unreachable!("eight octants"))
     }
 
     /// The voxel centres that the block's picture can depend on, as a box of the lattice.

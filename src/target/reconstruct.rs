@@ -90,7 +90,11 @@ impl<'a> RowEvaluator<'a> {
                 let cut = tree.cut(i);
                 self.top().update(|n, s| {
                     let p = DVec3::new(x0 + n as f64, y, z);
-                    if cut.distance(p) > 0.0 { Sample::EMPTY } else { s }
+                    if cut.distance(p) > 0.0 {
+                        Sample::EMPTY
+                    } else {
+                        s
+                    }
                 });
             }
             Step::Combine(i) => {

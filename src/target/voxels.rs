@@ -25,7 +25,14 @@ impl BlockVoxels {
         let dims = block.extent.map(|n| n + 2 * apron);
         let plane = dims[0] * dims[1];
         let mut premultiplied = vec![0.0; plane * dims[2]];
-        let mut coverage = vec![0.0; if block.layout == Layout::Mixed { plane * dims[2] } else { 0 }];
+        let mut coverage = vec![
+            0.0;
+            if block.layout == Layout::Mixed {
+                plane * dims[2]
+            } else {
+                0
+            }
+        ];
         // An absent coverage still needs a slice for each plane.
         let coverage_plane = if coverage.is_empty() { 0 } else { plane };
         let planes = premultiplied.par_chunks_mut(plane).enumerate();
@@ -67,7 +74,11 @@ fn fill_plane(
 ) {
     let dims = target.lattice.dims;
     let width = block.extent[0] + 2 * apron;
-    let clamped = |axis: usize, n: usize| (block.origin[axis] + n).saturating_sub(apron).min(dims[axis] - 1);
+    let clamped = |axis: usize, n: usize| {
+        (block.origin[axis] + n)
+            .saturating_sub(apron)
+            .min(dims[axis] - 1)
+    };
     let columns = clamped(0, 0)..clamped(0, width - 1) + 1;
     // Stored columns before the first and after the last one evaluated repeat it.
     let before = (apron).saturating_sub(block.origin[0]);
