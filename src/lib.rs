@@ -2,6 +2,13 @@
 
 #![warn(missing_docs)]
 
+pub mod gpu;
+pub mod interface;
 pub mod math;
 pub mod model;
 pub mod volume;
+
+/// The SPIR-V of `shaders/`, a constant a shader.
+pub mod shaders {
+    include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+}
