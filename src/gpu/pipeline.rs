@@ -141,7 +141,7 @@ fn require_possible(device: &Device, desc: &PipelineDesc) -> Result<(), GpuError
         return Err(GpuError::usage(desc.label, "a shader is not SPIR-V"));
     }
     let limits = &device.info().limits;
-    if desc.push_bytes % 4 != 0 || desc.push_bytes > limits.push_bytes {
+    if !desc.push_bytes.is_multiple_of(4) || desc.push_bytes > limits.push_bytes {
         let problem = format!(
             "{} bytes of push constants (at most {}, in fours)",
             desc.push_bytes, limits.push_bytes
