@@ -310,7 +310,7 @@ impl Leaf {
                 if admitted.is_empty() {
                     return SampleRange::EMPTY;
                 }
-                let all = leaf.window.encloses(value) && !leaf.bricks.has_nan();
+                let all = leaf.window.encloses(value) && !leaf.bricks.has_missing();
                 SampleRange {
                     value: admitted,
                     coverage: Interval::new(if all { 1.0 } else { 0.0 }, 1.0),

@@ -141,7 +141,7 @@ impl Leaf {
 impl VolumeLeaf {
     /// Whether no value is kept out; NaN always is.
     pub fn admits_all(&self) -> bool {
-        self.window == Interval::ALL && !self.bricks.has_nan()
+        self.window == Interval::ALL && !self.bricks.has_missing()
     }
 
     /// The sample of an interpolated value: present only where the value lies in the leaf's window (NaN never does).

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::composite::{self, value_source};
 use super::transfer::lengthened;
-use super::{Camera, Mode, Planes, ProjectError, Projector, Scene, SoftNormals, TransferTable};
+use super::{Mode, Planes, ProjectError, Projector, Scene, SoftNormals, TransferTable};
 use crate::image::Frame;
 use crate::math::{Aabb, affine};
 use crate::target::VoxelTarget;

@@ -5,9 +5,19 @@ use glam::{DMat3, DVec3};
 use super::pages::{PagedTarget, texture_map};
 use crate::interface::{
     BoxData, FrameData, MAX_SEGMENTS, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE,
-    MODE_MINIP, MODE_MIP, MODE_XRAY, MovingVertexData, SliceData, TEMPLATE_VERTICES, TemplateData,
+    MODE_MINIP, MODE_MIP, MODE_XRAY, MovingVertexData, TEMPLATE_VERTICES, TemplateData,
 };
 use crate::projection::{Lens, Mode, Scene, Shading, SlicePlan, Template};
+
+/// One slice, an instance of its box's template, as the vertex shader's input.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct SliceData {
+    /// Index of its box.
+    pub box_index: u32,
+    /// Depth behind the box's nearest corner, millimetres.
+    pub t_mm: f32,
+}
 
 /// The mode's number in the shaders.
 pub fn mode_constant(mode: Mode) -> u32 {
@@ -38,7 +48,7 @@ pub fn frame_data(scene: &Scene, plan: &SlicePlan, fraction_of_stored: [f32; 2])
             0.0,
         ],
         values: [scale, offset, 0.0, 0.0],
-        ..FrameData::default()
+        ..bytemuck::Zeroable::zeroed()
     };
     if let Some(shading) = scene.shading() {
         light(shading, &scene.camera.eye_from_world.matrix3, &mut data);
@@ -99,7 +109,7 @@ pub fn templates(plan: &SlicePlan) -> Vec<TemplateData> {
 fn template(template: &Template) -> TemplateData {
     let mut data = TemplateData {
         ends: [[f32::INFINITY; 4]; 2],
-        vertices: [MovingVertexData::default(); TEMPLATE_VERTICES as usize],
+        vertices: [bytemuck::Zeroable::zeroed(); TEMPLATE_VERTICES as usize],
     };
     let last = template.segments.len() - 1;
     for s in 0..MAX_SEGMENTS as usize {

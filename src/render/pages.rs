@@ -270,7 +270,7 @@ impl PagePlan {
         let dims = self.dims.map(|n| n as u32);
         let image = |label: &str, format| {
             let [width, height, depth] = dims;
-            let extent = Extent::D3 { width, height, depth };
+            let extent = Extent::D3(width, height, depth);
             Image::new(device, label, ImageRole::Sampled, format, extent)
         };
         Ok(Page {

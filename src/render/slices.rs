@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::frame;
+use super::frame::{self, SliceData};
 use super::pages::{FORMATS, Page, PagedTarget};
 use crate::gpu::{
     Attribute, Binding, BindingKind, Bindings, Blend, Buffer, BufferRole, Device, Draw, Elements,
@@ -14,7 +14,7 @@ use crate::gpu::{
     Topology, VertexInput,
 };
 use crate::image::Frame;
-use crate::interface::{MAX_VERTICES, SliceData, TABLE_LEN};
+use crate::interface::{MAX_VERTICES, TABLE_LEN};
 use crate::projection::composite::{self, Blending};
 use crate::projection::{
     Lens, Mode, ProjectError, Projector, Scene, SlicePlan, SoftNormals, TransferTable, Visibility,
@@ -282,7 +282,7 @@ impl Job {
         [width, height]: [u32; 2],
     ) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
-        let extent = Extent::D2 { width, height };
+        let extent = Extent::D2(width, height);
         let target = Image::new(&device, "frame", ImageRole::ColorTarget, TARGET_FORMAT, extent)?;
         let read_back = Buffer::new(&device, "frame", BufferRole::Readback, target.bytes())?;
         let mut passes = Vec::new();
@@ -381,10 +381,7 @@ impl Shared {
                 bindings: Vec::new(),
             });
         }
-        let extent = Extent::D2 {
-            width: TABLE_LEN,
-            height: 1,
-        };
+        let extent = Extent::D2(TABLE_LEN, 1);
         let table_image = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
         let entries = Buffer::with_data(device, "transfer table", table.entries())?;
         recording.upload(&entries, &table_image);
