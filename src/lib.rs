@@ -2,6 +2,8 @@
 
 #![warn(missing_docs)]
 
+pub mod image;
 pub mod math;
 pub mod model;
+pub mod output;
 pub mod volume;
