@@ -5,4 +5,5 @@
 pub mod math;
 pub mod model;
 pub mod projection;
+pub mod scene;
 pub mod volume;
