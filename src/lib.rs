@@ -10,6 +10,7 @@ pub mod model;
 pub mod output;
 pub mod projection;
 pub mod render;
+pub mod scene;
 pub mod target;
 pub mod volume;
 

@@ -7,7 +7,6 @@ use spirq::ty::{SpirvType, StructType, Type};
 use vcsg::interface::{Layout, layouts};
 use vcsg::shaders;
 
-
 /// Every structure within `ty`, itself included.
 fn structures(ty: &Type, found: &mut Vec<StructType>) {
     match ty {

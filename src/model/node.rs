@@ -203,6 +203,19 @@ impl Node {
         };
         first.into_iter().chain(second)
     }
+
+    /// The same node with each child replaced by what `new` gives for it.
+    pub fn with_children(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
+        let mut node = self.clone();
+        match &mut node {
+            Self::Volume(_) | Self::Primitive { .. } => {}
+            Self::Transform { child, .. }
+            | Self::Transfer { child, .. }
+            | Self::Cut { child, .. } => *child = new(*child),
+            Self::Combine(c) => (c.first, c.second) = (new(c.first), new(c.second)),
+        }
+        node
+    }
 }
 
 /// A VCSG tree (or, where a node has two parents, a directed acyclic graph): nodes in post-order, the last one the root.
@@ -264,6 +277,28 @@ impl Model {
     /// The node at `id`.
     pub fn node(&self, id: NodeId) -> &Node {
         &self.nodes[id.index()]
+    }
+
+    /// The part of the model that `root` is made of, with nodes in the same order and `root` last.
+    ///
+    /// # Panics
+    /// If `root` is not in the model.
+    pub fn rooted_at(&self, root: NodeId) -> Self {
+        let mut wanted = vec![false; root.index() + 1];
+        wanted[root.index()] = true;
+        for id in (0..wanted.len()).rev() {
+            if wanted[id] {
+                self.nodes[id]
+                    .children()
+                    .for_each(|child| wanted[child.index()] = true);
+            }
+        }
+        let mut part = Self::default();
+        let mut moved = vec![root; wanted.len()];
+        for id in (0..wanted.len()).filter(|&id| wanted[id]) {
+            moved[id] = part.push(self.nodes[id].with_children(|child| moved[child.index()]));
+        }
+        part
     }
 
     /// The node that the model is; `None` when it is empty.

@@ -2,6 +2,7 @@
 //! (VCSG §3.3).
 
 mod camera;
+mod color;
 pub mod composite;
 mod light;
 mod planes;
@@ -16,9 +17,10 @@ mod transfer;
 mod visibility;
 
 pub use camera::{Camera, Lens, Projection, View};
+pub use color::rgb_from_hex;
 pub use light::{DepthCue, Light, Material, Shading};
 pub use planes::{Planes, eye_from_lattice};
-pub use projector::{ProjectError, Projector, Scene};
+pub use projector::{FrameSpec, ProjectError, Projector};
 pub use reference::Reference;
 pub use settings::{Mode, Settings};
 pub use shade::SoftNormals;

@@ -4,9 +4,9 @@ use super::{Camera, Mode, Planes, Settings, Shading, TransferFunction, TransferT
 use crate::image::Frame;
 use crate::target::Target;
 
-/// What a projector draws. Two projectors given the same scene draw the same frame (design law 3).
+/// What a projector draws. Two projectors given the same draw the same frame (design law 3).
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct FrameSpec<'a> {
     /// The model on its lattice.
     pub target: &'a Target,
     /// Values to colour and opacity.
@@ -44,10 +44,10 @@ pub trait Projector {
     ///
     /// # Errors
     /// If the device fails or the frame is impossible.
-    fn project(&mut self, scene: &Scene) -> Result<Frame, ProjectError>;
+    fn project(&mut self, spec: &FrameSpec) -> Result<Frame, ProjectError>;
 }
 
-impl Scene<'_> {
+impl FrameSpec<'_> {
     /// The sampling planes.
     pub fn planes(&self) -> Planes {
         Planes::new(

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::composite::{self, value_source};
 use super::transfer::lengthened;
-use super::{Mode, Planes, ProjectError, Projector, Scene, SoftNormals, TransferTable};
+use super::{FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable};
 use crate::image::Frame;
 use crate::math::{Aabb, affine};
 use crate::target::VoxelTarget;
@@ -18,16 +18,16 @@ use crate::target::VoxelTarget;
 pub struct Reference;
 
 impl Projector for Reference {
-    fn project(&mut self, scene: &Scene) -> Result<Frame, ProjectError> {
-        let voxels = VoxelTarget::new(scene.target);
-        Ok(render(&voxels, scene))
+    fn project(&mut self, spec: &FrameSpec) -> Result<Frame, ProjectError> {
+        let voxels = VoxelTarget::new(spec.target);
+        Ok(render(&voxels, spec))
     }
 }
 
 /// The frame of a target whose voxels are at hand.
-pub fn render(voxels: &VoxelTarget, scene: &Scene) -> Frame {
-    let marcher = Marcher::new(voxels, scene);
-    let [width, height] = scene.camera.size;
+pub fn render(voxels: &VoxelTarget, spec: &FrameSpec) -> Frame {
+    let marcher = Marcher::new(voxels, spec);
+    let [width, height] = spec.camera.size;
     let mut frame = Frame::transparent(width, height);
     frame
         .pixels_mut()
@@ -39,10 +39,10 @@ pub fn render(voxels: &VoxelTarget, scene: &Scene) -> Frame {
             }
         });
     composite::resolve(
-        scene.settings.mode,
+        spec.settings.mode,
         &frame,
-        scene.target.value_range,
-        scene.transfer,
+        spec.target.value_range,
+        spec.transfer,
     )
 }
 
@@ -55,7 +55,7 @@ struct LatticeSample {
 
 struct Marcher<'a> {
     voxels: &'a VoxelTarget<'a>,
-    scene: &'a Scene<'a>,
+    spec: &'a FrameSpec<'a>,
     lattice_from_eye: DAffine3,
     bounds: Aabb,
     eye_bounds: Aabb,
@@ -65,28 +65,28 @@ struct Marcher<'a> {
 }
 
 impl<'a> Marcher<'a> {
-    fn new(voxels: &'a VoxelTarget<'a>, scene: &'a Scene<'a>) -> Self {
-        let lattice = &scene.target.lattice;
-        let eye_from_lattice = super::eye_from_lattice(lattice, scene.camera);
+    fn new(voxels: &'a VoxelTarget<'a>, spec: &'a FrameSpec<'a>) -> Self {
+        let lattice = &spec.target.lattice;
+        let eye_from_lattice = super::eye_from_lattice(lattice, spec.camera);
         Self {
             voxels,
-            scene,
+            spec,
             lattice_from_eye: eye_from_lattice.inverse(),
             bounds: lattice.bounds(),
             eye_bounds: lattice.bounds().transformed(&eye_from_lattice),
-            planes: scene.planes(),
-            table: scene.table(),
-            normals: scene
+            planes: spec.planes(),
+            table: spec.table(),
+            normals: spec
                 .shading()
                 .map(|s| SoftNormals::new(lattice, s.soft_gradient)),
         }
     }
 
     fn pixel(&self, x: u32, y: u32) -> [f64; 4] {
-        let camera = self.scene.camera;
+        let camera = self.spec.camera;
         let path_per_depth = camera.path_per_depth(x, y);
         let near = self.eye_bounds.min.z.max(camera.near_mm());
-        let blending = self.scene.settings.mode.blending();
+        let blending = self.spec.settings.mode.blending();
         let mut pixel = [0.0; 4];
         for k in self.planes.between(near, self.eye_bounds.max.z).rev() {
             let eye = camera.point_at_depth(x, y, self.planes.depth(k));
@@ -103,7 +103,7 @@ impl<'a> Marcher<'a> {
     }
 
     fn source(&self, s: &LatticeSample, depth: f64, path_per_depth: f64) -> [f64; 4] {
-        let mode = self.scene.settings.mode;
+        let mode = self.spec.settings.mode;
         if !mode.classifies() {
             return value_source(mode, s.weighted, s.coverage, path_per_depth);
         }
@@ -113,10 +113,10 @@ impl<'a> Marcher<'a> {
             return [a; 4];
         }
         let (factor, highlight) = self
-            .scene
+            .spec
             .shading()
             .map_or((1.0, 0.0), |shading| shading.response(s.normal));
-        let cue = self.scene.settings.depth_cue.factor(
+        let cue = self.spec.settings.depth_cue.factor(
             depth,
             self.eye_bounds.min.z,
             self.eye_bounds.max.z,
@@ -170,7 +170,7 @@ impl<'a> Marcher<'a> {
             self.fraction(self.voxels.voxel(at))
         };
         let half = std::array::from_fn(|a| 0.5 * (neighbour(a, 1) - neighbour(a, -1)));
-        self.scene.camera.eye_from_world.matrix3 * normals.normal(DVec3::from_array(half))
+        self.spec.camera.eye_from_world.matrix3 * normals.normal(DVec3::from_array(half))
     }
 }
 

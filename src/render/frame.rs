@@ -7,7 +7,7 @@ use crate::interface::{
     BoxData, FrameData, MAX_SEGMENTS, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE,
     MODE_MINIP, MODE_MIP, MODE_XRAY, MovingVertexData, TEMPLATE_VERTICES, TemplateData,
 };
-use crate::projection::{Lens, Mode, Scene, Shading, SlicePlan, Template};
+use crate::projection::{FrameSpec, Lens, Mode, Shading, SlicePlan, Template};
 
 /// One slice, an instance of its box's template, as the vertex shader's input.
 #[repr(C)]
@@ -32,26 +32,26 @@ pub fn mode_constant(mode: Mode) -> u32 {
 }
 
 /// What is the same for all slices.
-pub fn frame_data(scene: &Scene, plan: &SlicePlan, fraction_of_stored: [f32; 2]) -> FrameData {
+pub fn frame_data(spec: &FrameSpec, plan: &SlicePlan, fraction_of_stored: [f32; 2]) -> FrameData {
     let map = &plan.eye_from_lattice;
     let row = |a: usize| vec4(map.matrix3.row(a), map.translation[a]);
-    let depth = scene.target.lattice.bounds().transformed(map);
+    let depth = spec.target.lattice.bounds().transformed(map);
     let [scale, offset] = fraction_of_stored;
     let span = (depth.max.z - depth.min.z).max(f64::MIN_POSITIVE);
     let mut data = FrameData {
         eye_from_lattice: [row(0), row(1), row(2)],
-        lens: lens(scene),
+        lens: lens(spec),
         cue: [
             depth.min.z as f32,
             span.recip() as f32,
-            scene.settings.depth_cue.strength,
+            spec.settings.depth_cue.strength,
             0.0,
         ],
         values: [scale, offset, 0.0, 0.0],
         ..bytemuck::Zeroable::zeroed()
     };
-    if let Some(shading) = scene.shading() {
-        light(shading, &scene.camera.eye_from_world.matrix3, &mut data);
+    if let Some(shading) = spec.shading() {
+        light(shading, &spec.camera.eye_from_world.matrix3, &mut data);
     }
     data
 }
@@ -60,13 +60,18 @@ fn vec4(v: DVec3, w: f64) -> [f32; 4] {
     v.extend(w).as_vec4().to_array()
 }
 
-fn lens(scene: &Scene) -> [f32; 4] {
-    let pixels = match scene.camera.lens {
+fn lens(spec: &FrameSpec) -> [f32; 4] {
+    let pixels = match spec.camera.lens {
         Lens::Orthographic { pixels_per_mm } => pixels_per_mm,
         Lens::Perspective { focal_px, .. } => focal_px,
     };
-    let [width, height] = scene.camera.size.map(f64::from);
-    [(2.0 * pixels / width) as f32, (2.0 * pixels / height) as f32, 0.0, 0.0]
+    let [width, height] = spec.camera.size.map(f64::from);
+    [
+        (2.0 * pixels / width) as f32,
+        (2.0 * pixels / height) as f32,
+        0.0,
+        0.0,
+    ]
 }
 
 /// Normals are stored in the world frame, so lights go there once instead of every normal to the eye.
@@ -82,8 +87,8 @@ fn light(shading: &Shading, eye_from_world: &DMat3, data: &mut FrameData) {
 }
 
 /// The boxes of a plan, with their place in the pages.
-pub fn boxes(scene: &Scene, plan: &SlicePlan, paged: &PagedTarget) -> Vec<BoxData> {
-    let blocks = &scene.target.blocks;
+pub fn boxes(spec: &FrameSpec, plan: &SlicePlan, paged: &PagedTarget) -> Vec<BoxData> {
+    let blocks = &spec.target.blocks;
     plan.boxes
         .iter()
         .map(|b| {

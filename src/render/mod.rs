@@ -6,5 +6,5 @@ mod pieces;
 mod slices;
 mod texels;
 
-pub use pages::{PagedTarget, Page, Slot};
+pub use pages::{Page, PagedTarget, Slot};
 pub use slices::{SliceRenderer, Slices, Timings};

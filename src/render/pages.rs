@@ -105,7 +105,12 @@ impl PagedTarget {
             for (piece, texels) in batch.iter().zip(&filled) {
                 paged.cells[piece.index].ranges.extend(&texels.cells.ranges);
             }
-            progress(batch.iter().map(|p| p.slab.extent.iter().product::<usize>()).sum());
+            progress(
+                batch
+                    .iter()
+                    .map(|p| p.slab.extent.iter().product::<usize>())
+                    .sum(),
+            );
             rest = later;
         }
         Ok(paged)
@@ -182,7 +187,12 @@ impl<'a> Stage<'a> {
         if self.bytes == 0 {
             return Ok(());
         }
-        let buffer = Buffer::new(device, "block texels", BufferRole::Upload, self.bytes as u64)?;
+        let buffer = Buffer::new(
+            device,
+            "block texels",
+            BufferRole::Upload,
+            self.bytes as u64,
+        )?;
         buffer.fill(|bytes| {
             for (offset, texels) in &self.parts {
                 bytes[*offset..offset + texels.len()].copy_from_slice(texels);
@@ -266,7 +276,12 @@ fn near_cube(n: usize, limit: [usize; 3]) -> [usize; 3] {
 }
 
 impl PagePlan {
-    fn allocate(&self, device: &Arc<Device>, encoding: Encoding, lit: bool) -> Result<Page, GpuError> {
+    fn allocate(
+        &self,
+        device: &Arc<Device>,
+        encoding: Encoding,
+        lit: bool,
+    ) -> Result<Page, GpuError> {
         let dims = self.dims.map(|n| n as u32);
         let image = |label: &str, format| {
             let [width, height, depth] = dims;
@@ -276,7 +291,10 @@ impl PagePlan {
         Ok(Page {
             mixed: self.mixed,
             dims,
-            values: image("values of target blocks", value_format(encoding, self.mixed))?,
+            values: image(
+                "values of target blocks",
+                value_format(encoding, self.mixed),
+            )?,
             normals: if lit {
                 Some(image("normals of target blocks", Format::R8G8B8A8_UNORM)?)
             } else {

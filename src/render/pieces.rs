@@ -37,7 +37,9 @@ pub struct PieceTexels {
 /// All pieces of a target's blocks, in order.
 pub fn pieces(target: &Target) -> Vec<Piece> {
     let blocks = target.blocks.iter().enumerate();
-    blocks.flat_map(|(index, block)| cut(index, block)).collect()
+    blocks
+        .flat_map(|(index, block)| cut(index, block))
+        .collect()
 }
 
 fn cut(index: usize, block: &Block) -> Vec<Piece> {
@@ -64,7 +66,11 @@ fn piece(index: usize, block: &Block, z: Range<usize>) -> Piece {
     slab.extent[2] = z.len();
     // Only the block's first and last slab fill its apron planes.
     let begin = if z.start == 0 { 0 } else { Block::APRON };
-    let end = if z.end == block.extent[2] { 2 * Block::APRON } else { Block::APRON };
+    let end = if z.end == block.extent[2] {
+        2 * Block::APRON
+    } else {
+        Block::APRON
+    };
     Piece {
         index,
         slab,
@@ -107,13 +113,24 @@ fn fill_one(
     if slab.layout == Layout::Uniform {
         return uniform(slab, encoding, normals.is_some());
     }
-    let apron = if normals.is_some() { Block::REACH } else { Block::APRON };
+    let apron = if normals.is_some() {
+        Block::REACH
+    } else {
+        Block::APRON
+    };
     let voxels = BlockVoxels::reconstruct(target, slab, apron);
     PieceTexels {
         values: texels::values(encoding, slab, &voxels, piece.planes.clone()),
         normals: normals.map_or_else(Vec::new, |soft| {
             let range = target.value_range;
-            texels::normals(soft, range, &target.lattice, slab, &voxels, piece.planes.clone())
+            texels::normals(
+                soft,
+                range,
+                &target.lattice,
+                slab,
+                &voxels,
+                piece.planes.clone(),
+            )
         }),
         cells: CellRanges::new(slab, &voxels),
     }
@@ -124,7 +141,11 @@ fn uniform(block: &Block, encoding: Encoding, lit: bool) -> PieceTexels {
     let texel = texels::one(encoding, block.range.value.lo);
     PieceTexels {
         values: texel.repeat(TEXELS),
-        normals: if lit { [128, 128, 128, 0].repeat(TEXELS) } else { Vec::new() },
+        normals: if lit {
+            [128, 128, 128, 0].repeat(TEXELS)
+        } else {
+            Vec::new()
+        },
         cells: CellRanges::uniform(block),
     }
 }

@@ -17,8 +17,8 @@ use crate::image::Frame;
 use crate::interface::{MAX_VERTICES, TABLE_LEN};
 use crate::projection::composite::{self, Blending};
 use crate::projection::{
-    Lens, Mode, ProjectError, Projector, Scene, SlicePlan, SoftNormals, TransferTable, Visibility,
-    VisibleValues,
+    FrameSpec, Lens, Mode, ProjectError, Projector, SlicePlan, SoftNormals, TransferTable,
+    Visibility, VisibleValues,
 };
 use crate::shaders::{SLICES_FRAG, SLICES_VERT};
 
@@ -108,20 +108,24 @@ impl SliceRenderer {
     ///
     /// # Errors
     /// If the device has not enough memory or is lost, or the frame's size is impossible.
-    pub fn draw(&mut self, scene: &Scene, paged: &PagedTarget) -> Result<(Frame, Timings), ProjectError> {
-        let size = self.checked_size(scene)?;
+    pub fn draw(
+        &mut self,
+        spec: &FrameSpec,
+        paged: &PagedTarget,
+    ) -> Result<(Frame, Timings), ProjectError> {
+        let size = self.checked_size(spec)?;
         let begin = Instant::now();
-        let table = scene.table();
-        let plan = plan(scene, paged, &table);
+        let table = spec.table();
+        let plan = plan(spec, paged, &table);
         let planned = Instant::now();
-        let job = Job::new(self, scene, paged, &plan, &table, size).map_err(device_error)?;
+        let job = Job::new(self, spec, paged, &plan, &table, size).map_err(device_error)?;
         let prepared = Instant::now();
         job.run(&self.device).map_err(device_error)?;
         let drawn = Instant::now();
         let accumulated = job.read_back(&self.device).map_err(device_error)?;
-        let settings = scene.settings;
-        let range = scene.target.value_range;
-        let frame = composite::resolve(settings.mode, &accumulated, range, scene.transfer);
+        let settings = spec.settings;
+        let range = spec.target.value_range;
+        let frame = composite::resolve(settings.mode, &accumulated, range, spec.transfer);
         let timings = Timings {
             plan: planned - begin,
             prepare: prepared - planned,
@@ -131,8 +135,8 @@ impl SliceRenderer {
         Ok((frame, timings))
     }
 
-    fn checked_size(&self, scene: &Scene) -> Result<[u32; 2], ProjectError> {
-        let [width, height] = scene.camera.size;
+    fn checked_size(&self, spec: &FrameSpec) -> Result<[u32; 2], ProjectError> {
+        let [width, height] = spec.camera.size;
         let limit = self.device.info().limits.image_dimension_2d;
         if (1..=limit).contains(&width) && (1..=limit).contains(&height) {
             Ok([width, height])
@@ -145,7 +149,11 @@ impl SliceRenderer {
         }
     }
 
-    fn pipeline(&mut self, variant: Variant, blending: Blending) -> Result<Arc<GraphicsPipeline>, GpuError> {
+    fn pipeline(
+        &mut self,
+        variant: Variant,
+        blending: Blending,
+    ) -> Result<Arc<GraphicsPipeline>, GpuError> {
         if let Some(pipeline) = self.pipelines.get(&variant) {
             return Ok(Arc::clone(pipeline));
         }
@@ -178,35 +186,38 @@ impl Slices {
 }
 
 impl Projector for Slices {
-    fn project(&mut self, scene: &Scene) -> Result<Frame, ProjectError> {
-        let normals = soft_normals(scene);
+    fn project(&mut self, spec: &FrameSpec) -> Result<Frame, ProjectError> {
+        let normals = soft_normals(spec);
         let device = Arc::clone(self.renderer.device());
-        let paged = PagedTarget::new(&device, scene.target, normals.as_ref(), &mut |_| {})
+        let paged = PagedTarget::new(&device, spec.target, normals.as_ref(), &mut |_| {})
             .map_err(device_error)?;
-        Ok(self.renderer.draw(scene, &paged)?.0)
+        Ok(self.renderer.draw(spec, &paged)?.0)
     }
 }
 
-/// How the normals of a scene's target are made, if it is lit.
-pub fn soft_normals(scene: &Scene) -> Option<SoftNormals> {
-    let shading = scene.shading()?;
-    Some(SoftNormals::new(&scene.target.lattice, shading.soft_gradient))
+/// How the normals of a spec's target are made, if it is lit.
+pub fn soft_normals(spec: &FrameSpec) -> Option<SoftNormals> {
+    let shading = spec.shading()?;
+    Some(SoftNormals::new(
+        &spec.target.lattice,
+        shading.soft_gradient,
+    ))
 }
 
-fn plan(scene: &Scene, paged: &PagedTarget, table: &TransferTable) -> SlicePlan {
-    let range = scene.target.value_range;
-    let values = if scene.settings.mode.classifies() {
+fn plan(spec: &FrameSpec, paged: &PagedTarget, table: &TransferTable) -> SlicePlan {
+    let range = spec.target.value_range;
+    let values = if spec.settings.mode.classifies() {
         VisibleValues::of(table, range)
     } else {
         VisibleValues::all(range)
     };
     let visibility = Visibility {
-        target: scene.target,
+        target: spec.target,
         cells: &paged.cells,
         values: &values,
         min_cube: MIN_CUBE,
     };
-    SlicePlan::new(&visibility, scene.camera, scene.planes())
+    SlicePlan::new(&visibility, spec.camera, spec.planes())
 }
 
 const BINDINGS: [BindingKind; 6] = [
@@ -275,7 +286,7 @@ struct Job {
 impl Job {
     fn new(
         renderer: &mut SliceRenderer,
-        scene: &Scene,
+        spec: &FrameSpec,
         paged: &PagedTarget,
         plan: &SlicePlan,
         table: &TransferTable,
@@ -283,7 +294,13 @@ impl Job {
     ) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
         let extent = Extent::D2(width, height);
-        let target = Image::new(&device, "frame", ImageRole::ColorTarget, TARGET_FORMAT, extent)?;
+        let target = Image::new(
+            &device,
+            "frame",
+            ImageRole::ColorTarget,
+            TARGET_FORMAT,
+            extent,
+        )?;
         let read_back = Buffer::new(&device, "frame", BufferRole::Readback, target.bytes())?;
         let mut passes = Vec::new();
         let clear = ColorTarget {
@@ -291,20 +308,20 @@ impl Job {
             load: Load::Clear([0.0; 4]),
         };
         let mut first = Recording::new();
-        let shared = Shared::new(renderer, scene, paged, plan, table, &mut first)?;
+        let shared = Shared::new(renderer, spec, paged, plan, table, &mut first)?;
         first.render(RenderPass {
             targets: vec![clear],
             draws: Vec::new(),
         });
         passes.push(first);
-        for part in submissions(plan, scene) {
+        for part in submissions(plan, spec) {
             let mut recording = Recording::new();
             recording.render(RenderPass {
                 targets: vec![ColorTarget {
                     image: Arc::clone(&target),
                     load: Load::Keep,
                 }],
-                draws: shared.draws(renderer, scene, paged, plan, part)?,
+                draws: shared.draws(renderer, spec, paged, plan, part)?,
             });
             passes.push(recording);
         }
@@ -328,21 +345,22 @@ impl Job {
         device.submit(&recording)?.wait()?;
         let pixels = self.read_back.read_vec::<[f32; 4]>()?;
         let [width, height, _] = self.target.extent().edges();
-        Ok(Frame::from_pixels(width, height, pixels).unwrap_or_else(|_| Frame::transparent(width, height)))
+        Ok(Frame::from_pixels(width, height, pixels)
+            .unwrap_or_else(|_| Frame::transparent(width, height)))
     }
 }
 
 /// The slices of each submission.
-fn submissions(plan: &SlicePlan, scene: &Scene) -> Vec<Range<usize>> {
+fn submissions(plan: &SlicePlan, spec: &FrameSpec) -> Vec<Range<usize>> {
     let pixels_per_voxel_face = {
-        let spacing = scene.target.lattice.spacing_mm().max_element();
-        let scale = match scene.camera.lens {
+        let spacing = spec.target.lattice.spacing_mm().max_element();
+        let scale = match spec.camera.lens {
             Lens::Orthographic { pixels_per_mm } => pixels_per_mm,
             Lens::Perspective { focal_px, near_mm } => focal_px / near_mm.max(1.0),
         };
         (spacing * scale).powi(2)
     };
-    let [width, height] = scene.camera.size.map(f64::from);
+    let [width, height] = spec.camera.size.map(f64::from);
     let mut parts = Vec::new();
     let (mut begin, mut fragments) = (0, 0.0);
     for (n, slice) in plan.slices.iter().enumerate() {
@@ -368,7 +386,7 @@ struct Shared {
 impl Shared {
     fn new(
         renderer: &SliceRenderer,
-        scene: &Scene,
+        spec: &FrameSpec,
         paged: &PagedTarget,
         plan: &SlicePlan,
         table: &TransferTable,
@@ -382,12 +400,18 @@ impl Shared {
             });
         }
         let extent = Extent::D2(TABLE_LEN, 1);
-        let table_image = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
+        let table_image = Image::new(
+            device,
+            "transfer table",
+            ImageRole::Sampled,
+            TABLE_FORMAT,
+            extent,
+        )?;
         let entries = Buffer::with_data(device, "transfer table", table.entries())?;
         recording.upload(&entries, &table_image);
-        let data = frame::frame_data(scene, plan, paged.fraction_of_stored);
+        let data = frame::frame_data(spec, plan, paged.fraction_of_stored);
         let uniform = Buffer::with_data(device, "frame data", &[data])?;
-        let boxes = Buffer::with_data(device, "boxes", &frame::boxes(scene, plan, paged))?;
+        let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;
         let templates = Buffer::with_data(device, "templates", &frame::templates(plan))?;
         let bind = |page: &Page| {
             let sampled = |image: &Arc<Image>| {
@@ -413,7 +437,7 @@ impl Shared {
     fn draws(
         &self,
         renderer: &mut SliceRenderer,
-        scene: &Scene,
+        spec: &FrameSpec,
         paged: &PagedTarget,
         plan: &SlicePlan,
         part: Range<usize>,
@@ -431,8 +455,8 @@ impl Shared {
                 end += 1;
             }
             let pipeline = renderer.pipeline(
-                variant(scene, paged.pages[page].mixed),
-                scene.settings.mode.blending(),
+                variant(spec, paged.pages[page].mixed),
+                spec.settings.mode.blending(),
             )?;
             draws.push(self.draw(renderer, pipeline, page, begin as u32..end as u32));
             begin = end;
@@ -467,14 +491,14 @@ impl Shared {
 
 const _: () = assert!(FAN.len() == 3 * (MAX_VERTICES as usize - 2));
 
-fn variant(scene: &Scene, mixed: bool) -> Variant {
-    let shading = scene.shading();
+fn variant(spec: &FrameSpec, mixed: bool) -> Variant {
+    let shading = spec.shading();
     Variant {
-        mode: frame::mode_constant(scene.settings.mode),
+        mode: frame::mode_constant(spec.settings.mode),
         mixed,
         lights: shading.map_or(0, |s| s.lights.len() as u32),
         shininess_log2: shading.map_or(0, |s| s.material.shininess_log2),
-        perspective: matches!(scene.camera.lens, Lens::Perspective { .. }),
+        perspective: matches!(spec.camera.lens, Lens::Perspective { .. }),
     }
 }
 

@@ -122,13 +122,16 @@ pub fn values(
     let skip = voxels.apron - Block::APRON;
     let [width, height] = [0, 1].map(|a| block.extent[a] + 2 * Block::APRON);
     let channels = 1 + usize::from(voxels.coverage.is_some());
-    let mut texels = Vec::with_capacity(width * height * planes.len() * channels * encoding.bytes());
+    let mut texels =
+        Vec::with_capacity(width * height * planes.len() * channels * encoding.bytes());
     for k in planes {
         for j in 0..height {
             let row = skip + voxels.dims[0] * (j + skip + voxels.dims[1] * (k + skip));
             let values = &voxels.premultiplied[row..row + width];
             match &voxels.coverage {
-                None => values.iter().for_each(|&v| encoding.push(v, 1.0, &mut texels)),
+                None => values
+                    .iter()
+                    .for_each(|&v| encoding.push(v, 1.0, &mut texels)),
                 Some(coverage) => {
                     for (&v, &c) in values.iter().zip(&coverage[row..row + width]) {
                         encoding.push(v, c, &mut texels);
@@ -152,7 +155,11 @@ pub fn normals(
     voxels: &BlockVoxels,
     planes: std::ops::Range<usize>,
 ) -> Vec<u8> {
-    assert_eq!(voxels.apron, Block::REACH, "normals look one voxel beyond the apron");
+    assert_eq!(
+        voxels.apron,
+        Block::REACH,
+        "normals look one voxel beyond the apron"
+    );
     let inside = |axis: usize| -> Vec<usize> {
         let stored = block.extent[axis] + 2 * Block::APRON;
         (0..stored)

@@ -1,1 +1,0 @@
-//! Transfer-function presets for CT and MR.

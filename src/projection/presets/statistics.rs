@@ -1,0 +1,87 @@
+//! What a preset needs to know of the data.
+
+use crate::math::Interval;
+
+/// Extremes and percentiles of a volume's values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DataStatistics {
+    /// Smallest value.
+    pub min: f32,
+    /// Largest value.
+    pub max: f32,
+    /// The value at [`DataStatistics::LOW`].
+    pub low: f32,
+    /// The value at [`DataStatistics::HIGH`].
+    pub high: f32,
+}
+
+impl DataStatistics {
+    /// The fraction of values below the window.
+    pub const LOW: f64 = 0.01;
+
+    /// The fraction of values up to the window's end; a few bright voxels (vessels, ghosts) do not darken the rest.
+    pub const HIGH: f64 = 0.995;
+
+    /// The statistics of a sample of values; NaN does not count. `None` when nothing is left.
+    pub fn of_sample(mut values: Vec<f32>) -> Option<Self> {
+        values.retain(|v| !v.is_nan());
+        values.sort_unstable_by(f32::total_cmp);
+        let last = values.len().checked_sub(1)?;
+        let at = |fraction: f64| values[(fraction * last as f64).round() as usize];
+        Some(Self {
+            min: values[0],
+            max: values[last],
+            low: at(Self::LOW),
+            high: at(Self::HIGH),
+        })
+    }
+
+    /// The window that shows most of the data: between the percentiles; where they coincide, between the extremes; round
+    /// the value when all are the same.
+    pub fn window(&self) -> Interval {
+        if self.low < self.high {
+            Interval::new(self.low, self.high)
+        } else if self.min < self.max {
+            Interval::new(self.min, self.max)
+        } else {
+            Interval::new(self.min - 0.5, self.min + 0.5)
+        }
+    }
+
+    /// Whether values look like Hounsfield units: air near −1000 and something denser than any soft tissue.
+    pub fn looks_like_ct(&self) -> bool {
+        (-4096.0..=-900.0).contains(&self.min) && self.max > 300.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_of_a_ramp_are_its_values() {
+        let ramp = (0..=1000).map(|v| v as f32).chain([f32::NAN]).collect();
+        let statistics = DataStatistics::of_sample(ramp).unwrap();
+        assert_eq!((statistics.low, statistics.high), (10.0, 995.0));
+        assert_eq!((statistics.min, statistics.max), (0.0, 1000.0));
+        assert_eq!(DataStatistics::of_sample(vec![f32::NAN]), None);
+    }
+
+    #[test]
+    fn a_window_always_has_width() {
+        let sparse = DataStatistics {
+            min: 0.0,
+            max: 9.0,
+            low: 0.0,
+            high: 0.0,
+        };
+        assert_eq!(sparse.window(), Interval::new(0.0, 9.0));
+        let flat = DataStatistics {
+            min: 4.0,
+            max: 4.0,
+            low: 4.0,
+            high: 4.0,
+        };
+        assert_eq!(flat.window(), Interval::new(3.5, 4.5));
+    }
+}

@@ -1,0 +1,281 @@
+//! How a scene wants to be seen: view, lights, material, mode, transfer function.
+
+use kdl::KdlDocument;
+
+use super::element::{Element, Value};
+use super::error::{Problem, SceneError};
+use super::grammar;
+use super::lattice::Lattice;
+use super::source::Source;
+use super::suggest::nearest;
+use super::transfer::{TransferChoice, TransferSpec};
+use crate::math::Interval;
+use crate::projection::presets;
+use crate::projection::{
+    ControlPoint, DepthCue, Light, Material, Mode, Projection, Settings, Shading, TransferFunction,
+    View,
+};
+
+type Result<T> = std::result::Result<T, SceneError>;
+
+/// Everything at the top of a scene file but the tree.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Appearance {
+    pub lattice: Lattice,
+    pub transfer: Option<TransferSpec>,
+    pub view: View,
+    pub settings: Settings,
+    pub frame_size: Option<[u32; 2]>,
+}
+
+impl Appearance {
+    /// Reads the top nodes of a document.
+    pub fn read(document: &KdlDocument, source: &Source) -> Result<Self> {
+        let mut draft = Draft::default();
+        let mut seen: Vec<&str> = Vec::new();
+        for node in document.nodes() {
+            let element = Element::new(node, &[grammar::TOP], source)?;
+            if element.name() != "light" && seen.contains(&element.name()) {
+                let name = element.name().into();
+                return Err(element.error(Problem::Twice { name }));
+            }
+            draft.read(&element)?;
+            if !seen.contains(&element.name()) {
+                seen.push(element.name());
+            }
+        }
+        Ok(draft.finish())
+    }
+}
+
+#[derive(Default)]
+struct Draft {
+    appearance: Appearance,
+    lights: Vec<Light>,
+    shading: Shading,
+    unshaded: bool,
+}
+
+impl Draft {
+    fn read(&mut self, element: &Element) -> Result<()> {
+        match element.name() {
+            "scene" => self.appearance.lattice = Lattice::read(element)?,
+            "transfer" => self.appearance.transfer = Some(transfer(element)?),
+            "view" => self.appearance.view = view(element)?,
+            "light" => self.add_light(element)?,
+            "material" => self.material(element)?,
+            "depth-cue" => {
+                let strength = element.require("strength")?.within(0.0, 1.0)? as f32;
+                self.appearance.settings.depth_cue = DepthCue { strength };
+            }
+            "background" => self.appearance.settings.background = background(element.argument(0))?,
+            _ => self.render(element)?,
+        }
+        Ok(())
+    }
+
+    fn add_light(&mut self, element: &Element) -> Result<()> {
+        let limit = Shading::MAX_LIGHTS;
+        if self.lights.len() == limit {
+            return Err(element.error(Problem::TooManyLights { limit }));
+        }
+        self.lights.push(Light {
+            towards: element.require("towards")?.direction()?,
+            intensity: element
+                .get("intensity")
+                .map_or(Ok(1.0), |v| v.within(0.0, 10.0))? as f32,
+        });
+        Ok(())
+    }
+
+    fn material(&mut self, element: &Element) -> Result<()> {
+        let default = Material::default();
+        let factor = |key, default: f32| {
+            element
+                .get(key)
+                .map_or(Ok(default), |v| v.within(0.0, 10.0).map(|n| n as f32))
+        };
+        self.shading.material = Material {
+            ambient: factor("ambient", default.ambient)?,
+            diffuse: factor("diffuse", default.diffuse)?,
+            specular: factor("specular", default.specular)?,
+            shininess_log2: element
+                .get("shininess")
+                .map_or(Ok(default.shininess_log2), shininess_log2)?,
+        };
+        if let Some(soft) = element.get("soft-gradient") {
+            self.shading.soft_gradient = soft.positive()?;
+        }
+        Ok(())
+    }
+
+    fn render(&mut self, element: &Element) -> Result<()> {
+        let settings = &mut self.appearance.settings;
+        if let Some(mode) = element.get("mode") {
+            settings.mode = mode.one_of(MODES)?;
+        }
+        if let Some(shading) = element.get("shading") {
+            self.unshaded = !shading.boolean()?;
+        }
+        if let Some(samples) = element.get("samples-per-voxel") {
+            settings.samples_per_voxel = samples.within(1.0 / 64.0, 64.0)?;
+        }
+        self.appearance.frame_size = element.get("size").map(frame_size).transpose()?;
+        Ok(())
+    }
+
+    fn finish(mut self) -> Appearance {
+        if !self.lights.is_empty() {
+            self.shading.lights = self.lights;
+        }
+        self.appearance.settings.shading = (!self.unshaded).then_some(self.shading);
+        self.appearance
+    }
+}
+
+/// The names of the modes.
+pub const MODES: &[(&str, Mode)] = &[
+    ("composite", Mode::Composite),
+    ("mip", Mode::Mip),
+    ("minip", Mode::MinIp),
+    ("average", Mode::Average),
+    ("additive", Mode::Additive),
+    ("xray", Mode::XRay),
+];
+
+/// A specular exponent must be a power of two up to 1024.
+fn shininess_log2(value: Value) -> Result<u32> {
+    let exponent = value.whole(1, 1024)?;
+    if exponent.is_power_of_two() {
+        Ok(exponent.ilog2())
+    } else {
+        Err(value.bad("a power of two in 1..1024"))
+    }
+}
+
+fn frame_size(value: Value) -> Result<[u32; 2]> {
+    parse_size(value.string()?)
+        .ok_or_else(|| value.bad("a size like \"1024x768\", each side in 1..16384"))
+}
+
+/// `WIDTHxHEIGHT` in pixels, each in 1..16384.
+pub fn parse_size(text: &str) -> Option<[u32; 2]> {
+    let (width, height) = text.split_once('x')?;
+    let side = |s: &str| s.trim().parse().ok().filter(|n| (1..=16384).contains(n));
+    Some([side(width)?, side(height)?])
+}
+
+fn background(value: Value) -> Result<[f32; 4]> {
+    if value.string()? == "transparent" {
+        return Ok([0.0; 4]);
+    }
+    let [r, g, b] = value
+        .color()
+        .map_err(|_| value.bad("\"transparent\" or a colour like \"#101820\""))?;
+    Ok([r, g, b, 1.0])
+}
+
+fn view(element: &Element) -> Result<View> {
+    let degrees = |key| {
+        element
+            .get(key)
+            .map_or(Ok(0.0), |v| v.within(-3600.0, 3600.0))
+    };
+    Ok(View {
+        azimuth_deg: degrees("azimuth")?,
+        elevation_deg: degrees("elevation")?,
+        roll_deg: degrees("roll")?,
+        zoom: element
+            .get("zoom")
+            .map_or(Ok(1.0), |v| v.within(1e-3, 1e4))?,
+        focus: element.get("focus").map(|v| v.vector()).transpose()?,
+        projection: projection(element)?,
+    })
+}
+
+fn projection(element: &Element) -> Result<Projection> {
+    let kinds = [("orthographic", false), ("perspective", true)];
+    let perspective = element
+        .get("projection")
+        .map_or(Ok(false), |v| v.one_of(&kinds))?;
+    match element.get("fov") {
+        Some(_) if !perspective => Err(element.error_of(
+            "fov",
+            Problem::Conflict("`fov` goes with projection=\"perspective\""),
+        )),
+        _ if !perspective => Ok(Projection::Orthographic),
+        Some(fov) => Ok(Projection::Perspective {
+            fov_y_deg: fov.within(1.0, 170.0)?,
+        }),
+        None => Ok(Projection::Perspective { fov_y_deg: 30.0 }),
+    }
+}
+
+fn transfer(element: &Element) -> Result<TransferSpec> {
+    let unit_mm = element.get("unit-mm").map(|v| v.positive()).transpose()?;
+    let points = control_points(element)?;
+    let window = display_window(element)?;
+    let choice = match (element.get("preset"), points.is_empty()) {
+        (Some(_), false) => {
+            let problem = Problem::Conflict(
+                "a transfer function has a preset or points of its own, not both",
+            );
+            return Err(element.error_of("preset", problem));
+        }
+        (Some(name), true) => TransferChoice::Preset(preset(name)?),
+        (None, true) => TransferChoice::Automatic,
+        (None, false) => {
+            if window.is_some() {
+                let problem = Problem::Conflict(
+                    "`window` and `level` fit a preset; points state their values",
+                );
+                return Err(element.error_of("window", problem));
+            }
+            let function = TransferFunction::new(points, unit_mm.unwrap_or(1.0));
+            TransferChoice::Points(function.map_err(|e| element.error(Problem::Transfer(e)))?)
+        }
+    };
+    Ok(TransferSpec {
+        choice,
+        window,
+        unit_mm,
+    })
+}
+
+fn control_points(element: &Element) -> Result<Vec<ControlPoint>> {
+    let read = |point: Result<Element>| {
+        let point = point?;
+        Ok(ControlPoint {
+            value: point.argument(0).single()?,
+            color: point.require("color")?.color()?,
+            opacity: point.require("opacity")?.within(0.0, 1.0)? as f32,
+        })
+    };
+    element.children().map(read).collect()
+}
+
+/// `window` and `level`: how wide the range of displayed values is, and its middle.
+fn display_window(element: &Element) -> Result<Option<Interval>> {
+    match (element.get("window"), element.get("level")) {
+        (None, None) => Ok(None),
+        (Some(width), Some(level)) => {
+            let (width, level) = (width.positive()? as f32, level.single()?);
+            Ok(Some(Interval::new(
+                level - 0.5 * width,
+                level + 0.5 * width,
+            )))
+        }
+        _ => Err(element.error(Problem::Conflict("`window` and `level` go together"))),
+    }
+}
+
+fn preset(value: Value) -> Result<&'static presets::Preset> {
+    let found = value.string()?;
+    presets::named(found).ok_or_else(|| {
+        let names: Vec<_> = presets::all().iter().map(|preset| preset.name()).collect();
+        value.error(Problem::UnknownPreset {
+            found: found.into(),
+            nearest: nearest(found, &names),
+        })
+    })
+}

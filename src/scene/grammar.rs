@@ -1,0 +1,243 @@
+//! What nodes there are, and what each may hold: the scene language as a table.
+
+/// What the children of a node are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Children {
+    /// There are none.
+    None,
+    /// Nodes of the tree.
+    Shapes,
+    /// Nodes of the tree, and the points of a table.
+    ShapesAndTable,
+    /// Control points.
+    Points,
+}
+
+/// One kind of node.
+#[derive(Debug)]
+pub(super) struct Rule {
+    pub name: &'static str,
+    /// How many arguments it takes.
+    pub arguments: usize,
+    pub properties: &'static [&'static str],
+    pub children: Children,
+    /// How it is written.
+    pub example: &'static str,
+}
+
+const fn rule(
+    name: &'static str,
+    arguments: usize,
+    properties: &'static [&'static str],
+    children: Children,
+    example: &'static str,
+) -> Rule {
+    Rule {
+        name,
+        arguments,
+        properties,
+        children,
+        example,
+    }
+}
+
+use Children::{None as Leaf, Points, Shapes, ShapesAndTable};
+
+/// Nodes at the top of a file.
+pub(super) const TOP: &[Rule] = &[
+    rule(
+        "scene",
+        0,
+        &[
+            "spacing",
+            "budget-mib",
+            "coarsen",
+            "boundary",
+            "min-block",
+            "rule",
+            "family",
+        ],
+        Shapes,
+        "scene { … }",
+    ),
+    rule(
+        "transfer",
+        0,
+        &["preset", "window", "level", "unit-mm"],
+        Points,
+        "transfer preset=\"ct-bone\"",
+    ),
+    rule(
+        "view",
+        0,
+        &[
+            "azimuth",
+            "elevation",
+            "roll",
+            "zoom",
+            "projection",
+            "fov",
+            "focus",
+        ],
+        Leaf,
+        "view azimuth=30 elevation=20",
+    ),
+    rule(
+        "light",
+        0,
+        &["towards", "intensity"],
+        Leaf,
+        "light towards=\"-0.5 -0.6 -1\" intensity=0.9",
+    ),
+    rule(
+        "material",
+        0,
+        &[
+            "ambient",
+            "diffuse",
+            "specular",
+            "shininess",
+            "soft-gradient",
+        ],
+        Leaf,
+        "material ambient=0.2",
+    ),
+    rule(
+        "depth-cue",
+        0,
+        &["strength"],
+        Leaf,
+        "depth-cue strength=0.4",
+    ),
+    rule("background", 1, &[], Leaf, "background \"#101820\""),
+    rule(
+        "render",
+        0,
+        &["mode", "shading", "samples-per-voxel", "size"],
+        Leaf,
+        "render mode=\"mip\" size=\"1024x768\"",
+    ),
+];
+
+/// Nodes of the tree.
+pub(super) const SHAPES: &[Rule] = &[
+    rule(
+        "volume",
+        1,
+        &["inside", "dims", "type", "spacing", "endian"],
+        Leaf,
+        "volume \"head.nii.gz\"",
+    ),
+    rule(
+        "sphere",
+        0,
+        &["center", "radius", "value"],
+        Leaf,
+        "sphere radius=20 center=\"0 0 0\"",
+    ),
+    rule(
+        "box",
+        0,
+        &["min", "max", "value"],
+        Leaf,
+        "box min=\"-1 -1 -1\" max=\"1 1 1\"",
+    ),
+    rule(
+        "half-space",
+        0,
+        &["point", "normal", "value"],
+        Leaf,
+        "half-space point=\"0 0 0\" normal=\"0 0 1\"",
+    ),
+    rule("union", 0, &["rule", "family"], Shapes, "union { … }"),
+    rule(
+        "intersect",
+        0,
+        &["rule", "family"],
+        Shapes,
+        "intersect { … }",
+    ),
+    rule("subtract", 0, &["family"], Shapes, "subtract { … }"),
+    rule(
+        "overlay",
+        0,
+        &["rule", "family"],
+        Shapes,
+        "overlay rule=\"second\" { … }",
+    ),
+    rule("translate", 1, &[], Shapes, "translate \"10 0 0\" { … }"),
+    rule(
+        "rotate",
+        0,
+        &["axis", "angle", "center"],
+        Shapes,
+        "rotate axis=\"0 0 1\" angle=30 { … }",
+    ),
+    rule(
+        "scale",
+        1,
+        &["center"],
+        Shapes,
+        "scale 2 { … } or scale \"1 1 2\" { … }",
+    ),
+    rule(
+        "mirror",
+        0,
+        &["point", "normal"],
+        Shapes,
+        "mirror normal=\"1 0 0\" { … }",
+    ),
+    rule(
+        "shear",
+        0,
+        &["xy", "xz", "yx", "yz", "zx", "zy", "center"],
+        Shapes,
+        "shear xy=0.5 { … }",
+    ),
+    rule(
+        "matrix",
+        1,
+        &[],
+        Shapes,
+        "matrix \"1 0 0 0  0 1 0 0  0 0 1 0\" { … }",
+    ),
+    rule(
+        "map",
+        1,
+        &["scale", "offset", "a", "b", "c"],
+        ShapesAndTable,
+        "map \"linear\" scale=2 { … }, map \"quadratic\" a=1 { … } or map \"table\" { at 0 0; at 100 255; … }",
+    ),
+    rule(
+        "cut",
+        0,
+        &["point", "normal"],
+        Shapes,
+        "cut point=\"0 0 0\" normal=\"0 1 0\" { … }",
+    ),
+    rule("define", 1, &[], Shapes, "define \"name\" { … }"),
+    rule("use", 1, &[], Leaf, "use \"name\""),
+    rule("include", 1, &[], Leaf, "include \"other.kdl\""),
+];
+
+/// A point of a value table.
+pub(super) const AT: &[Rule] = &[rule("at", 2, &[], Leaf, "at 100 255")];
+
+/// A control point of a transfer function.
+pub(super) const POINT: &[Rule] = &[rule(
+    "point",
+    1,
+    &["opacity", "color"],
+    Leaf,
+    "point 300 opacity=0.2 color=\"#f0e0d0\"",
+)];
+
+/// The groups of rules that hold among the children of a node.
+pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
+    match children {
+        Children::None => &[],
+        Children::Shapes => &[SHAPES],
+        Children::ShapesAndTable => &[SHAPES, AT],
+        Children::Points => &[POINT],
+    }
+}

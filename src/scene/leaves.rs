@@ -1,0 +1,146 @@
+//! Leaf nodes: volumes and primitives.
+
+use std::path::Path;
+
+use super::element::{Element, Value};
+use super::error::{Problem, SceneError};
+use super::loader::{RawLayout, RawVoxel, VolumeRequest};
+use crate::math::{Aabb, Interval};
+use crate::model::{Plane, Shape};
+
+type Result<T> = std::result::Result<T, SceneError>;
+
+/// The geometry of a primitive, or `None` for another kind of node.
+///
+/// # Errors
+/// If a value is missing or wrong.
+pub(super) fn primitive(element: &Element) -> Result<Option<Shape>> {
+    Ok(Some(match element.name() {
+        "sphere" => Shape::Sphere {
+            center: element
+                .get("center")
+                .map_or(Ok(glam::DVec3::ZERO), |v| v.vector())?,
+            radius: element.require("radius")?.positive()?,
+        },
+        "box" => Shape::Box(solid_box(element)?),
+        "half-space" => Shape::HalfSpace(plane(element)?),
+        _ => return Ok(None),
+    }))
+}
+
+/// A primitive's `value`, 1 unless said.
+pub(super) fn primitive_value(element: &Element) -> Result<f32> {
+    element.get("value").map_or(Ok(1.0), |v| v.single())
+}
+
+fn solid_box(element: &Element) -> Result<Aabb> {
+    let (min, max) = (element.require("min")?, element.require("max")?);
+    let solid = Aabb::new(min.vector()?, max.vector()?);
+    if solid.min.cmplt(solid.max).all() {
+        Ok(solid)
+    } else {
+        Err(max.bad("above `min` on each axis"))
+    }
+}
+
+/// The plane of a cut or a half-space: through `point` (the origin unless said), `normal` outwards.
+pub(super) fn plane(element: &Element) -> Result<Plane> {
+    let point = element
+        .get("point")
+        .map_or(Ok(glam::DVec3::ZERO), |v| v.vector())?;
+    let normal = element.require("normal")?;
+    Plane::through(point, normal.direction()?)
+        .ok_or_else(|| normal.bad("of a plane at a finite distance"))
+}
+
+/// The file that a volume node names, in the folder `base_dir` unless its path is absolute.
+pub(super) fn volume_request(element: &Element, base_dir: &Path) -> Result<VolumeRequest> {
+    Ok(VolumeRequest {
+        path: base_dir.join(element.argument(0).string()?),
+        raw: raw_layout(element)?,
+    })
+}
+
+/// The value window `inside`; all values unless said.
+pub(super) fn window(element: &Element) -> Result<Interval> {
+    element
+        .get("inside")
+        .map_or(Ok(Interval::ALL), parse_window)
+}
+
+/// `"lo..hi"`, either end of which may be missing.
+fn parse_window(value: Value) -> Result<Interval> {
+    let bad = || value.bad("a window like \"80..\", \"..200\" or \"80..200\"");
+    let (lo, hi) = value.string()?.split_once("..").ok_or_else(bad)?;
+    let end = |text: &str, missing| match text.trim() {
+        "" => Ok(missing),
+        number => number
+            .parse()
+            .ok()
+            .filter(|n: &f32| n.is_finite())
+            .ok_or_else(bad),
+    };
+    let (lo, hi) = (end(lo, f32::NEG_INFINITY)?, end(hi, f32::INFINITY)?);
+    if lo <= hi {
+        Ok(Interval { lo, hi })
+    } else {
+        Err(bad())
+    }
+}
+
+const RAW_VOXELS: &[(&str, RawVoxel)] = &[
+    ("u8", RawVoxel::U8),
+    ("i8", RawVoxel::I8),
+    ("u16", RawVoxel::U16),
+    ("i16", RawVoxel::I16),
+    ("u32", RawVoxel::U32),
+    ("i32", RawVoxel::I32),
+    ("f32", RawVoxel::F32),
+    ("f64", RawVoxel::F64),
+];
+
+/// The layout of a headerless file: all of it or nothing is said.
+fn raw_layout(element: &Element) -> Result<Option<RawLayout>> {
+    let Some(dims) = element.get("dims") else {
+        let stray = ["type", "spacing", "endian"]
+            .into_iter()
+            .find(|key| element.get(key).is_some());
+        return match stray {
+            Some(key) => Err(element.error_of(
+                key,
+                Problem::Conflict(
+                    "`type`, `spacing` and `endian` go with `dims`, for files without a header",
+                ),
+            )),
+            None => Ok(None),
+        };
+    };
+    let spacing_mm = element.get("spacing").map_or(Ok([1.0; 3]), |v| {
+        let numbers = v.numbers()?;
+        if numbers.iter().all(|&n: &f64| n > 0.0) {
+            Ok(numbers)
+        } else {
+            Err(v.bad("above 0 on each axis"))
+        }
+    })?;
+    Ok(Some(RawLayout {
+        dims: raw_dims(dims)?,
+        voxel: element.require("type")?.one_of(RAW_VOXELS)?,
+        spacing_mm,
+        big_endian: element
+            .get("endian")
+            .map_or(Ok(false), |v| v.one_of(&[("little", false), ("big", true)]))?,
+    }))
+}
+
+fn raw_dims(value: Value) -> Result<[usize; 3]> {
+    let numbers: [f64; 3] = value.numbers()?;
+    if numbers
+        .iter()
+        .all(|&n| n.fract() == 0.0 && (1.0..=1e9).contains(&n))
+    {
+        Ok(numbers.map(|n| n as usize))
+    } else {
+        Err(value.bad("a string of three whole numbers above 0"))
+    }
+}

@@ -1,0 +1,194 @@
+//! Scene files: KDL text to a model and how it wants to be seen, and back (docs/SCENE.md is the language).
+//!
+//! ```
+//! use vcsg::scene::{Scene, NoVolumes};
+//!
+//! let text = r#"
+//! scene {
+//!     subtract {
+//!         sphere radius=20 value=100
+//!         cut normal="0 1 0" { box min="-5 -5 -5" max="5 5 5" }
+//!     }
+//! }
+//! view azimuth=30
+//! "#;
+//! let scene = Scene::parse("ball.kdl", text, ".".as_ref(), &mut NoVolumes)?;
+//! assert_eq!(scene.model.nodes().len(), 4);
+//! assert_eq!(scene.view.azimuth_deg, 30.0);
+//! # Ok::<(), vcsg::scene::SceneError>(())
+//! ```
+
+mod appearance;
+mod edit;
+mod element;
+mod error;
+mod file;
+mod grammar;
+mod guard;
+mod lattice;
+mod leaves;
+mod loader;
+mod maps;
+mod source;
+mod suggest;
+mod transfer;
+mod transforms;
+mod tree;
+
+use std::path::Path;
+
+pub use appearance::{MODES, parse_size};
+pub use edit::with_property;
+pub use error::{Problem, SceneError};
+pub use guard::{MAX_BYTES, MAX_DEPTH};
+pub use lattice::{Boundary, Lattice};
+pub use loader::{NoVolumes, RawLayout, RawVoxel, VolumeLoader, VolumeRequest};
+pub use source::Source;
+pub use transfer::{TransferChoice, TransferSpec};
+
+use crate::math::Interval;
+use crate::model::{Model, Node, VolumeLeaf};
+use crate::projection::{Settings, View};
+use appearance::Appearance;
+use tree::{TreeBuilder, scene_element};
+
+/// A model, and how it wants to be built and seen.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The VCSG tree, in world millimetres (LPS).
+    pub model: Model,
+    /// How the target lattice is chosen.
+    pub lattice: Lattice,
+    /// The transfer function; one that suits the data when `None`.
+    pub transfer: Option<TransferSpec>,
+    /// Where it is seen from.
+    pub view: View,
+    /// How it is drawn.
+    pub settings: Settings,
+    /// Width and height of the frame in pixels, if the scene says.
+    pub frame_size: Option<[u32; 2]>,
+    source: Source,
+}
+
+impl Scene {
+    /// The scene that `text` describes. Its paths are relative to `base_dir`; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// The first problem, with its place.
+    pub fn parse(
+        name: &str,
+        text: &str,
+        base_dir: &Path,
+        loader: &mut dyn VolumeLoader,
+    ) -> Result<Self, SceneError> {
+        Self::build(
+            Source::new(name, text),
+            base_dir,
+            TreeBuilder::new(loader, None),
+        )
+    }
+
+    /// The scene in the file at `path`.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or the first problem in it, with its place.
+    pub fn load(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+        let name = path.to_string_lossy();
+        let text = file::read(path).map_err(|problem| SceneError::of_file(&name, problem))?;
+        let base_dir = path.parent().unwrap_or(Path::new(""));
+        Self::build(
+            Source::new(name, text),
+            base_dir,
+            TreeBuilder::new(loader, Some(path)),
+        )
+    }
+
+    /// The scene of one volume file and nothing else.
+    ///
+    /// # Errors
+    /// If the volume cannot be loaded.
+    pub fn of_volume(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+        let request = VolumeRequest {
+            path: path.to_owned(),
+            raw: None,
+        };
+        let bricks = loader.load(&request).map_err(|reason| {
+            let path = request.path.clone();
+            SceneError::of_file(
+                &path.to_string_lossy(),
+                Problem::Volume {
+                    path: path.clone(),
+                    reason,
+                },
+            )
+        })?;
+        let mut model = Model::default();
+        model.push(Node::Volume(VolumeLeaf {
+            bricks,
+            window: Interval::ALL,
+        }));
+        let text = format!(
+            "scene {{\n    volume {}\n}}\n",
+            kdl::KdlValue::from(path.to_string_lossy().into_owned())
+        );
+        Ok(Self::assembled(
+            model,
+            Appearance::default(),
+            Source::new("scene.kdl", text),
+        ))
+    }
+
+    /// The scene at `path`: a scene file if it ends in `.kdl`, else a bare volume.
+    ///
+    /// # Errors
+    /// Those of [`Scene::load`] and [`Scene::of_volume`].
+    pub fn open(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+        let is_scene = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("kdl"));
+        if is_scene {
+            Self::load(path, loader)
+        } else {
+            Self::of_volume(path, loader)
+        }
+    }
+
+    fn build(source: Source, base_dir: &Path, tree: TreeBuilder) -> Result<Self, SceneError> {
+        let document = file::parse(&source)?;
+        let appearance = Appearance::read(&document, &source)?;
+        let model = tree.build(scene_element(&document, &source)?, base_dir)?;
+        Ok(Self::assembled(model, appearance, source))
+    }
+
+    fn assembled(model: Model, appearance: Appearance, source: Source) -> Self {
+        Self {
+            model,
+            lattice: appearance.lattice,
+            transfer: appearance.transfer,
+            view: appearance.view,
+            settings: appearance.settings,
+            frame_size: appearance.frame_size,
+            source,
+        }
+    }
+
+    /// The scene's text, comments and layout as they were.
+    pub fn to_text(&self) -> &str {
+        self.source.text()
+    }
+
+    /// Sets the view, in the scene and in its text.
+    ///
+    /// # Errors
+    /// If the edited text would be too long.
+    pub fn set_view(&mut self, view: View) -> Result<(), SceneError> {
+        self.source = edit::with_view(&self.source, &view)?;
+        self.view = view;
+        Ok(())
+    }
+
+    /// The scene's text and name.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+}

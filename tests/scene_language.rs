@@ -1,0 +1,577 @@
+//! The scene language: what each node makes, and what each mistake is answered with.
+
+use std::path::Path;
+
+use glam::{DAffine3, DVec3};
+use vcsg::math::{Aabb, Interval};
+use vcsg::model::{BooleanOp, Combine, Family, Node, Shape, ValueMap, ValueRule};
+use vcsg::projection::{Mode, Projection};
+use vcsg::scene::{Boundary, NoVolumes, Problem, Scene, SceneError, TransferChoice};
+
+fn parse(text: &str) -> Result<Scene, SceneError> {
+    Scene::parse("test.kdl", text, Path::new("."), &mut NoVolumes)
+}
+
+fn nodes(shapes: &str) -> Vec<Node> {
+    parse(&format!("scene {{\n{shapes}\n}}\n"))
+        .unwrap()
+        .model
+        .nodes()
+        .to_vec()
+}
+
+fn transform_of(shapes: &str) -> DAffine3 {
+    match nodes(shapes).pop() {
+        Some(Node::Transform {
+            parent_from_child, ..
+        }) => parent_from_child,
+        other => panic!("{other:?}"),
+    }
+}
+
+const BALL: &str = "sphere radius=1";
+
+#[test]
+fn leaves_have_their_geometry_and_value() {
+    let all = nodes(
+        "sphere radius=2 center=\"1 2 3\" value=100\nbox min=\"-1 -1 -1\" max=\"1,2,3\"\nhalf-space point=\"0 0 5\" normal=\"0 0 2\"",
+    );
+    let primitive = |node: &Node| match node {
+        Node::Primitive { shape, value } => (*shape, *value),
+        other => panic!("{other:?}"),
+    };
+    let center = DVec3::new(1.0, 2.0, 3.0);
+    assert_eq!(
+        primitive(&all[0]),
+        (
+            Shape::Sphere {
+                center,
+                radius: 2.0
+            },
+            100.0
+        )
+    );
+    assert_eq!(
+        primitive(&all[1]),
+        (Shape::Box(Aabb::new(-DVec3::ONE, center)), 1.0)
+    );
+    match primitive(&all[2]).0 {
+        Shape::HalfSpace(plane) => assert_eq!((plane.normal, plane.offset), (DVec3::Z, -5.0)),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn set_operations_fold_from_the_left() {
+    let all = nodes(
+        "subtract family=\"product\" {\n sphere radius=1\n sphere radius=2\n sphere radius=3\n}",
+    );
+    let combine = |node: &Node| match node {
+        Node::Combine(c) => c.clone(),
+        other => panic!("{other:?}"),
+    };
+    let (inner, outer) = (combine(&all[3]), combine(&all[4]));
+    assert_eq!((inner.first.index(), inner.second.index()), (0, 1));
+    assert_eq!((outer.first.index(), outer.second.index()), (3, 2));
+    for Combine {
+        op, rule, family, ..
+    } in [inner, outer]
+    {
+        assert_eq!(
+            (op, rule, family),
+            (BooleanOp::Subtraction, ValueRule::First, Family::Product)
+        );
+    }
+}
+
+#[test]
+fn value_rules_have_their_names() {
+    let rule_of = |attributes: &str, name: &str| match nodes(&format!(
+        "{name} {attributes} {{ {BALL}; {BALL} }}"
+    ))
+    .pop()
+    {
+        Some(Node::Combine(c)) => c.rule,
+        other => panic!("{other:?}"),
+    };
+    for (text, rule) in [
+        ("first", ValueRule::First),
+        ("second", ValueRule::Second),
+        ("max", ValueRule::Max),
+        ("min", ValueRule::Min),
+        ("sum", ValueRule::Sum),
+        ("difference", ValueRule::Difference),
+        ("product", ValueRule::Product),
+        ("average", ValueRule::Average),
+        ("blend 0.25", ValueRule::Blend(0.25)),
+    ] {
+        assert_eq!(rule_of(&format!("rule=\"{text}\""), "union"), rule);
+        assert_eq!(rule_of(&format!("rule=\"{text}\""), "overlay"), rule);
+    }
+    assert_eq!(rule_of("", "intersect"), ValueRule::First);
+    assert_eq!(rule_of("", "overlay"), ValueRule::Second);
+}
+
+#[test]
+fn transforms_move_points_where_they_should() {
+    // Sines and cosines of quarter turns and sums of three small products: a few units of rounding of numbers below 16.
+    let tolerance = 16.0 * 8.0 * f64::EPSILON;
+    for (text, from, to) in [
+        ("translate \"1 2 3\"", [1.0, 1.0, 1.0], [2.0, 3.0, 4.0]),
+        (
+            "rotate axis=\"0 0 2\" angle=90",
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ),
+        (
+            "rotate axis=\"0 0 1\" angle=90 center=\"1 0 0\"",
+            [2.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+        ),
+        ("scale 2", [1.0, 2.0, 3.0], [2.0, 4.0, 6.0]),
+        (
+            "scale \"1 2 -1\" center=\"0 1 0\"",
+            [1.0, 2.0, 3.0],
+            [1.0, 3.0, -3.0],
+        ),
+        ("mirror normal=\"3 0 0\"", [1.0, 2.0, 3.0], [-1.0, 2.0, 3.0]),
+        (
+            "mirror point=\"5 9 9\" normal=\"1 0 0\"",
+            [1.0, 2.0, 3.0],
+            [9.0, 2.0, 3.0],
+        ),
+        ("shear xy=0.5 zx=2", [1.0, 2.0, 3.0], [2.0, 2.0, 5.0]),
+        (
+            "matrix \"0 1 0 5  0 0 1 6  1 0 0 7\"",
+            [1.0, 2.0, 3.0],
+            [7.0, 9.0, 8.0],
+        ),
+    ] {
+        let moved =
+            transform_of(&format!("{text} {{ {BALL} }}")).transform_point3(DVec3::from(from));
+        assert!(
+            (moved - DVec3::from(to)).length() <= tolerance,
+            "{text}: {moved}"
+        );
+    }
+}
+
+#[test]
+fn maps_and_cuts_wrap_the_union_of_their_children() {
+    let map_of = |text: &str| match nodes(text).pop() {
+        Some(Node::Transfer { map, child }) => (map, child.index()),
+        other => panic!("{other:?}"),
+    };
+    let linear = ValueMap::Linear {
+        scale: 2.0,
+        offset: 0.0,
+    };
+    assert_eq!(
+        map_of(&format!("map linear scale=2 {{ {BALL}; {BALL} }}")),
+        (linear, 2)
+    );
+    let quadratic = ValueMap::Quadratic {
+        a: 0.0,
+        b: 3.0,
+        c: -1.0,
+    };
+    assert_eq!(
+        map_of(&format!("map \"quadratic\" b=3 c=-1 {{ {BALL} }}")),
+        (quadratic, 0)
+    );
+    let table = ValueMap::Table([(0.0, 0.0), (100.0, 255.0)].into());
+    assert_eq!(
+        map_of(&format!("map table {{ at 0 0; at 100 255; {BALL} }}")),
+        (table, 0)
+    );
+    match nodes(&format!(
+        "cut normal=\"0 1 0\" point=\"0 2 0\" {{ {BALL} }}"
+    ))
+    .pop()
+    {
+        Some(Node::Cut { plane, .. }) => assert_eq!((plane.normal, plane.offset), (DVec3::Y, -2.0)),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_definition_is_built_once_however_often_it_is_used() {
+    let text = "define \"a\" { sphere radius=1 }\ndefine \"idle\" { sphere radius=9 }\n".to_owned()
+        + "use \"a\"\ntranslate \"5 0 0\" { use \"a\" }";
+    let all = nodes(&text);
+    assert_eq!(all.len(), 3, "{all:?}");
+    // Doubling forty times would be 2^40 nodes if `use` copied.
+    let mut doubling = String::from("define \"d0\" { sphere radius=1 }\n");
+    for i in 0..40 {
+        doubling += &format!(
+            "define \"d{}\" {{ use \"d{i}\"; translate \"{i} 0 0\" {{ use \"d{i}\" }} }}\n",
+            i + 1
+        );
+    }
+    assert_eq!(nodes(&(doubling + "use \"d40\"")).len(), 81);
+}
+
+#[test]
+fn the_rest_of_a_scene_is_read() {
+    let scene = parse(
+        r##"
+scene spacing=0.5 budget-mib=64 coarsen=#true boundary="centre" min-block=8 { sphere radius=1 }
+transfer unit-mm=2 { point 0 opacity=0 color="#000000"; point 10 opacity=0.5 color="#ff0000" }
+view azimuth=30 elevation=-20 roll=5 zoom=1.5 projection="perspective" fov=45 focus="1 2 3"
+light towards="0 0 -2" intensity=0.5
+light towards="0 -1 0"
+material ambient=0.3 shininess=32 soft-gradient=0.02
+depth-cue strength=0.25
+background "transparent"
+render mode="mip" samples-per-voxel=2 size="640x480"
+"##,
+    )
+    .unwrap();
+    assert_eq!(scene.lattice.spacing_mm, Some(0.5));
+    assert_eq!(
+        (scene.lattice.budget_mib, scene.lattice.coarsen),
+        (64, true)
+    );
+    assert_eq!(
+        (scene.lattice.boundary, scene.lattice.min_block),
+        (Boundary::Centre, Some(8))
+    );
+    assert_eq!(
+        (
+            scene.view.azimuth_deg,
+            scene.view.elevation_deg,
+            scene.view.roll_deg
+        ),
+        (30.0, -20.0, 5.0)
+    );
+    assert_eq!(
+        scene.view.projection,
+        Projection::Perspective { fov_y_deg: 45.0 }
+    );
+    assert_eq!(scene.view.focus, Some(DVec3::new(1.0, 2.0, 3.0)));
+    let shading = scene.settings.shading.unwrap();
+    assert_eq!(shading.lights.len(), 2);
+    assert_eq!(
+        (shading.lights[0].towards, shading.lights[0].intensity),
+        (-DVec3::Z, 0.5)
+    );
+    assert_eq!(
+        (shading.material.ambient, shading.material.shininess_log2),
+        (0.3, 5)
+    );
+    assert_eq!(shading.soft_gradient, 0.02);
+    assert_eq!(
+        (scene.settings.mode, scene.settings.samples_per_voxel),
+        (Mode::Mip, 2.0)
+    );
+    assert_eq!(
+        (scene.settings.background, scene.frame_size),
+        ([0.0; 4], Some([640, 480]))
+    );
+    match scene.transfer.unwrap().choice {
+        TransferChoice::Points(function) => {
+            assert_eq!((function.points().len(), function.unit_mm()), (2, 2.0))
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_preset_may_have_a_window() {
+    let scene =
+        parse("scene { sphere radius=1 }\ntransfer preset=\"ct-bone\" window=400 level=40\n")
+            .unwrap();
+    let transfer = scene.transfer.unwrap();
+    assert_eq!(transfer.window, Some(Interval::new(-160.0, 240.0)));
+    assert!(
+        matches!(transfer.choice, TransferChoice::Preset(preset) if preset.name() == "ct-bone")
+    );
+    assert!(
+        parse("scene { sphere radius=1 }\nrender shading=#false\n")
+            .unwrap()
+            .settings
+            .shading
+            .is_none()
+    );
+}
+
+/// The error of a text, with the place that it names.
+fn error(text: &str) -> (Problem, Option<(usize, usize)>) {
+    match parse(text) {
+        Err(error) => (error.problem().clone(), error.place()),
+        Ok(_) => panic!("accepted: {text}"),
+    }
+}
+
+#[test]
+fn every_mistake_is_answered_with_its_place() {
+    let in_scene = |shapes: &str| format!("scene {{\n    {shapes}\n}}\n");
+    let top = |line: &str| format!("scene {{ sphere radius=1 }}\n{line}\n");
+    for (text, place, message) in [
+        (in_scene("shpere radius=1"), (2, 5), "unknown node `shpere`"),
+        (
+            in_scene("sphere raduis=1"),
+            (2, 12),
+            "`sphere` has no property `raduis`",
+        ),
+        (
+            in_scene("sphere radius=1 radius=2"),
+            (2, 21),
+            "`radius` is given twice",
+        ),
+        (
+            in_scene("sphere"),
+            (2, 5),
+            "`sphere` needs the property `radius`",
+        ),
+        (
+            in_scene("sphere radius=-1"),
+            (2, 12),
+            "`radius` is -1; it must be above 0",
+        ),
+        (
+            in_scene("sphere radius=#nan"),
+            (2, 12),
+            "`radius` is #nan; it must be a finite number",
+        ),
+        (
+            in_scene("sphere radius=#inf"),
+            (2, 12),
+            "`radius` is #inf; it must be a finite number",
+        ),
+        (
+            in_scene("sphere radius=1e999"),
+            (2, 12),
+            "`radius` is #inf; it must be a finite number",
+        ),
+        (
+            in_scene("sphere radius=1 value=1e39"),
+            (2, 21),
+            "it must be at most 3.4e38 in size",
+        ),
+        (
+            in_scene("sphere radius=\"1\""),
+            (2, 12),
+            "it must be a finite number",
+        ),
+        (
+            in_scene("sphere radius=1 center=\"0 nan 0\""),
+            (2, 21),
+            "it must be a string of 3 finite numbers",
+        ),
+        (
+            in_scene("sphere radius=1 center=\"0 0\""),
+            (2, 21),
+            "it must be a string of 3 finite numbers",
+        ),
+        (
+            in_scene("sphere radius=1 { box }"),
+            (2, 5),
+            "`sphere` has no children",
+        ),
+        (
+            in_scene("box min=\"0 0 0\" max=\"1 1 0\""),
+            (2, 21),
+            "it must be above `min` on each axis",
+        ),
+        (
+            in_scene("half-space normal=\"0 0 0\""),
+            (2, 16),
+            "it must be a direction, not of length 0",
+        ),
+        (
+            in_scene("union"),
+            (2, 5),
+            "`union` needs at least one child, and has 0",
+        ),
+        (
+            in_scene("subtract { sphere radius=1 }"),
+            (2, 5),
+            "`subtract` needs at least two children, and has 1",
+        ),
+        (
+            in_scene("union rule=\"frist\" { sphere radius=1 }"),
+            (2, 11),
+            "it must be one of first, second",
+        ),
+        (
+            in_scene("union rule=\"blend 2\" { sphere radius=1 }"),
+            (2, 11),
+            "with a share in 0..1",
+        ),
+        (
+            in_scene("translate { sphere radius=1 }"),
+            (2, 5),
+            "`translate` takes 1 argument(s), and 0 are given",
+        ),
+        (
+            in_scene("translate 1 2 3 { sphere radius=1 }"),
+            (2, 17),
+            "`translate` takes 1 argument(s), and 3 are given",
+        ),
+        (
+            in_scene("scale 0 { sphere radius=1 }"),
+            (2, 5),
+            "`scale` squeezes space flat",
+        ),
+        (
+            in_scene("matrix \"1 0 0 0 1 0 0 0 0 0 1 0\" { sphere radius=1 }"),
+            (2, 5),
+            "`matrix` squeezes space flat",
+        ),
+        (
+            in_scene("shear xy=1 yx=1 { sphere radius=1 }"),
+            (2, 5),
+            "`shear` squeezes space flat",
+        ),
+        (
+            in_scene("map cubic { sphere radius=1 }"),
+            (2, 9),
+            "it must be one of linear, quadratic, table",
+        ),
+        (
+            in_scene("map linear a=1 { sphere radius=1 }"),
+            (2, 16),
+            "`scale` and `offset` are of a linear map",
+        ),
+        (
+            in_scene("map table { at 1 0; at 1 1; sphere radius=1 }"),
+            (2, 28),
+            "it must be above the point before it",
+        ),
+        (
+            in_scene("map table { sphere radius=1 }"),
+            (2, 5),
+            "at least one point `at INPUT OUTPUT`",
+        ),
+        (
+            in_scene("use \"a\""),
+            (2, 9),
+            "nothing named `a` is defined above this line",
+        ),
+        (
+            in_scene("define a { use a }"),
+            (2, 20),
+            "nothing named `a` is defined above this line",
+        ),
+        (in_scene("include \"missing.kdl\""), (2, 13), "cannot read"),
+        (
+            in_scene("volume \"head.nii.gz\""),
+            (2, 12),
+            "cannot load the volume",
+        ),
+        (
+            in_scene("volume \"a.raw\" dims=\"1 2\" type=\"u8\""),
+            (2, 20),
+            "it must be a string of 3 finite numbers",
+        ),
+        (
+            in_scene("volume \"a.raw\" dims=\"1 2 0\" type=\"u8\""),
+            (2, 20),
+            "three whole numbers above 0",
+        ),
+        (
+            in_scene("volume \"a.raw\" dims=\"1 2 3\""),
+            (2, 5),
+            "`volume` needs the property `type`",
+        ),
+        (
+            in_scene("volume \"a.raw\" type=\"u8\""),
+            (2, 20),
+            "go with `dims`",
+        ),
+        (
+            in_scene("volume \"a.nrrd\" inside=\"80\""),
+            (2, 21),
+            "a window like",
+        ),
+        (
+            in_scene("volume \"a.nrrd\" inside=\"9..1\""),
+            (2, 21),
+            "a window like",
+        ),
+        (
+            in_scene("point 0 opacity=0 color=\"#000000\""),
+            (2, 5),
+            "unknown node `point`",
+        ),
+        (
+            "view azimuth=1\n".into(),
+            (1, 1),
+            "there is no `scene` node",
+        ),
+        (String::new(), (1, 1), "there is no `scene` node"),
+        (
+            top("scene { sphere radius=1 }"),
+            (2, 1),
+            "`scene` is given twice",
+        ),
+        (top("veiw azimuth=1"), (2, 1), "unknown node `veiw`"),
+        (top("view fov=20"), (2, 6), "`fov` goes with"),
+        (top("view zoom=0"), (2, 6), "in 0.001..10000"),
+        (
+            top("light towards=\"0 0 -1\"\n").repeat(1) + &"light towards=\"0 0 -1\"\n".repeat(5),
+            (8, 1),
+            "more than 5 lights",
+        ),
+        (
+            top("transfer preset=\"ct-bnoe\""),
+            (2, 10),
+            "unknown preset `ct-bnoe`",
+        ),
+        (
+            top("transfer { point 1 opacity=2 color=\"#000000\" }"),
+            (2, 20),
+            "`opacity` is 2; it must be in 0..1",
+        ),
+        (
+            top("transfer { point 1 opacity=1 color=\"red\" }"),
+            (2, 30),
+            "a colour like",
+        ),
+        (
+            top("transfer preset=\"ct-bone\" window=3"),
+            (2, 1),
+            "`window` and `level` go together",
+        ),
+        (
+            top(
+                "transfer { point 2 opacity=1 color=\"#000000\"; point 1 opacity=1 color=\"#000000\" }",
+            ),
+            (2, 1),
+            "transfer function: point 1",
+        ),
+        (
+            top("render mode=\"fancy\""),
+            (2, 8),
+            "it must be one of composite, mip",
+        ),
+        (top("render size=\"0x7\""), (2, 8), "a size like"),
+        (
+            top("background \"blue\""),
+            (2, 12),
+            "\"transparent\" or a colour",
+        ),
+        (top("material shininess=3"), (2, 10), "a power of two"),
+        (top("view azimuth=true"), (2, 14), ""),
+        (
+            "scene {\n  union {\n sphere radius=1\n}\n".into(),
+            (1, 7),
+            "this `{` is never closed",
+        ),
+    ] {
+        let (problem, found) = error(&text);
+        assert_eq!(found, Some(place), "{problem}\n{text}");
+        assert!(problem.to_string().contains(message), "{problem}\n{text}");
+    }
+}
+
+#[test]
+fn a_misspelt_name_is_answered_with_the_right_one_and_the_line() {
+    let error = parse("scene {\n    shpere radius=1\n}\n").unwrap_err();
+    assert_eq!(error.to_string(), "test.kdl:2:5: unknown node `shpere`");
+    let shown = format!("{:?}", miette::Report::new(error));
+    for part in ["shpere radius=1", "did you mean `sphere`?", "test.kdl:2:5"] {
+        assert!(shown.contains(part), "{shown}");
+    }
+}
