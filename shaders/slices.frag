@@ -23,8 +23,7 @@ layout(location = 0) out vec4 color;
 
 // Premultiplied colour and opacity of one slab of ray.
 vec4 classify(float fraction, float path_per_depth) {
-    float entry = (fraction * float(TABLE_LEN - 1) + 0.5) / float(TABLE_LEN);
-    vec4 c = textureLod(table, vec2(entry, 0.5), 0.0);
+    vec4 c = texelFetch(table, ivec2(int(fraction * float(TABLE_LEN - 1) + 0.5), 0), 0);
     if (PERSPECTIVE && c.a > 0.0) {
         float longer = 1.0 - pow(max(1.0 - c.a, 0.0), path_per_depth);
         c = vec4(c.rgb * (longer / c.a), longer);
