@@ -74,7 +74,7 @@ fn imports(file: &SourceFile) -> Vec<(usize, String)> {
     for root in ["crate::", climbs.as_str()] {
         for (at, _) in code.match_indices(root) {
             let before = code[..at].chars().next_back();
-            if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == '$') {
+            if before.is_some_and(|c| c.is_alphanumeric() || c == '_') {
                 continue;
             }
             let line = code[..at].matches('\n').count() + 1;
@@ -103,7 +103,7 @@ fn depth(path: &str) -> usize {
 
 /// Modules are lower case; what the crate's root re-exports is not.
 fn is_module(head: &str) -> bool {
-    head.starts_with(|c: char| c.is_ascii_lowercase())
+    head != "self" && head.starts_with(|c: char| c.is_ascii_lowercase())
 }
 
 /// The first names of what follows `crate::`: one, or those of a `{…}` list.

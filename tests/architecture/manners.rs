@@ -68,13 +68,12 @@ pub fn unfinished_business(file: &SourceFile) -> Vec<Finding> {
 pub fn machine_paths(file: &SourceFile) -> Vec<Finding> {
     // Put together here, or this file would be its own finding.
     let folders = ["home", "root", "work", "farm", "tmp", "Users"].map(|name| format!("/{name}/"));
-    let hosts = ["local", "127.0"]
-        .map(|start| start.to_owned() + if start == "local" { "host" } else { ".0.1" });
+    let hosts = [concat!("local", "host"), concat!("127.0", ".0.1")];
     let names_one = |line: &str| {
         folders
             .iter()
             .any(|folder| mentions_root_folder(line, folder))
-            || hosts.iter().any(|host| line.contains(host))
+            || hosts.iter().any(|host| line.contains(*host))
     };
     file.text
         .lines()
