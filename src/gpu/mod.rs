@@ -25,6 +25,7 @@ mod sampler;
 mod select;
 mod submit;
 mod track;
+mod uses;
 mod validation;
 
 pub use ash::vk::Format;
