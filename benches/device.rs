@@ -262,6 +262,16 @@ fn shading() -> Vec<Case> {
         ("6 taps", 2, Format::R8_UNORM),
         ("3 taps", 3, Format::R8_UNORM),
         ("normal and value in one RGBA8", 4, Format::R8G8B8A8_UNORM),
+        (
+            "normal and value in one RGBA16",
+            4,
+            Format::R16G16B16A16_UNORM,
+        ),
+        (
+            "normal and value in one RGBA16F",
+            4,
+            Format::R16G16B16A16_SFLOAT,
+        ),
         ("6 taps, R16", 2, Format::R16_UNORM),
         ("RGBA8 normal fetch, R16", 1, Format::R16_UNORM),
     ];
