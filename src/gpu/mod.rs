@@ -10,6 +10,7 @@ mod access;
 mod bindings;
 mod buffer;
 mod check;
+mod compile;
 mod device;
 mod encode;
 mod error;
