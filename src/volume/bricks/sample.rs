@@ -16,7 +16,7 @@ use crate::math::affine;
 use crate::volume::voxel::Voxel;
 
 /// Samples of a chunk.
-const LANES: usize = 32;
+const LANES: usize = 16;
 
 /// Bits of a position's fraction of a voxel.
 const FRACTION_BITS: u32 = 24;
