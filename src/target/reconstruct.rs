@@ -9,8 +9,24 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::math::affine;
-use crate::model::{Leaf, Source, Step, Tree};
+use crate::model::{Leaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
+
+/// A volume leaf that fills rows with its values.
+struct VolumeRow<'a> {
+    leaf: &'a Leaf,
+    volume: &'a VolumeLeaf,
+}
+
+impl VolumeRow<'_> {
+    /// Values at the voxels from `(x, y, z)` on along x, all in the volume's box.
+    fn fill(&self, x: f64, y: f64, z: f64, values: &mut [f32]) {
+        let map = &self.leaf.local_from_frame;
+        self.volume
+            .bricks
+            .sample_row(map, affine::row(map, y, z), x, values);
+    }
+}
 
 /// A row of samples, as separate values and coverages.
 #[derive(Default)]
@@ -36,26 +52,53 @@ impl<'a> RowEvaluator<'a> {
         }
     }
 
-    /// Evaluates `path` at the voxels `(i, j, k)` for `i` in `columns`: value times coverage, and coverage. Both slices are
-    /// as long as `columns`.
+    /// Evaluates `path` at the voxels `(i, j, k)` for `i` in `columns`: value times coverage, and coverage where it is asked
+    /// for. Both rows are as long as `columns`.
     pub fn evaluate(
         &mut self,
         path: &[Step],
         columns: Range<usize>,
         [j, k]: [usize; 2],
-    ) -> (&[f32], &[f32]) {
+        premultiplied: &mut [f32],
+        coverage: Option<&mut [f32]>,
+    ) {
+        let (y, z) = (j as f64, k as f64);
+        if let Some(volume) = self.lone_volume(path) {
+            volume.fill(columns.start as f64, y, z, premultiplied);
+            if let Some(coverage) = coverage {
+                coverage.fill(1.0);
+            }
+            return;
+        }
         self.depth = 0;
         for &step in path {
-            self.apply(step, &columns, j as f64, k as f64);
+            self.apply(step, &columns, y, z);
         }
         if self.depth == 0 {
             self.push(columns.len());
         }
-        let row = &mut self.rows[0];
-        for (v, c) in row.value.iter_mut().zip(&row.coverage) {
-            *v *= c;
+        let row = &self.rows[0];
+        for (out, (v, c)) in premultiplied
+            .iter_mut()
+            .zip(row.value.iter().zip(&row.coverage))
+        {
+            *out = v * c;
         }
-        (&row.value, &row.coverage)
+        if let Some(coverage) = coverage {
+            coverage.copy_from_slice(&row.coverage);
+        }
+    }
+
+    /// The volume that a path consists of, if that is all of it and it is present throughout: most blocks of most scenes.
+    fn lone_volume(&self, path: &[Step]) -> Option<VolumeRow<'a>> {
+        let &[Step::LeafInside(index)] = path else {
+            return None;
+        };
+        let leaf = self.tree.leaf(index);
+        match &leaf.source {
+            Source::Volume(volume) if volume.admits_all() => Some(VolumeRow { leaf, volume }),
+            _ => None,
+        }
     }
 
     /// A new top row of `len` empty samples.
@@ -152,14 +195,11 @@ impl Row {
     }
 
     fn fill(&mut self, leaf: &Leaf, part: Range<usize>, x0: f64, y: f64, z: f64) {
-        let row = affine::row(&leaf.local_from_frame, y, z);
         let x = x0 + part.start as f64;
         let (values, coverages) = (&mut self.value[part.clone()], &mut self.coverage[part]);
         match &leaf.source {
             Source::Volume(volume) => {
-                volume
-                    .bricks
-                    .sample_row(&leaf.local_from_frame, row, x, values);
+                VolumeRow { leaf, volume }.fill(x, y, z, values);
                 coverages.fill(1.0);
                 if volume.admits_all() {
                     return;
@@ -170,6 +210,7 @@ impl Row {
                 }
             }
             Source::Primitive { shape, value } => {
+                let row = affine::row(&leaf.local_from_frame, y, z);
                 for (n, (v, c)) in values.iter_mut().zip(coverages).enumerate() {
                     let local = affine::step(&leaf.local_from_frame, row, x + n as f64);
                     let s = shape.sample(local, *value);

@@ -1,5 +1,7 @@
 //! Reconstructed blocks in memory: what a CPU projector reads, and what a GPU page is filled from.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -82,26 +84,31 @@ fn fill_plane(
     let columns = clamped(0, 0)..clamped(0, width - 1) + 1;
     // Stored columns before the first and after the last one evaluated repeat it.
     let before = (apron).saturating_sub(block.origin[0]);
+    let inside = before..before + columns.len();
     let mut rows = RowEvaluator::new(&target.tree);
     for (j, out) in values.chunks_exact_mut(width).enumerate() {
-        let (v, c) = rows.evaluate(
+        let mut coverage = coverage
+            .as_mut()
+            .map(|c| &mut c[j * width..(j + 1) * width]);
+        rows.evaluate(
             target.path(block),
             columns.clone(),
             [clamped(1, j), clamped(2, k)],
+            &mut out[inside.clone()],
+            coverage.as_mut().map(|c| &mut c[inside.clone()]),
         );
-        extend_row(v, before, out);
-        if let Some(coverage) = &mut coverage {
-            extend_row(c, before, &mut coverage[j * width..(j + 1) * width]);
+        repeat_ends(out, &inside);
+        if let Some(coverage) = coverage {
+            repeat_ends(coverage, &inside);
         }
     }
 }
 
-/// Copies `row` to `out` from column `before` on, repeating its ends on both sides.
-fn extend_row(row: &[f32], before: usize, out: &mut [f32]) {
-    let after = before + row.len();
-    out[before..after].copy_from_slice(row);
-    out[..before].fill(row[0]);
-    out[after..].fill(row[row.len() - 1]);
+/// Repeats the first and last number of `inside` on both sides of it.
+fn repeat_ends(row: &mut [f32], inside: &Range<usize>) {
+    let (first, last) = (row[inside.start], row[inside.end - 1]);
+    row[..inside.start].fill(first);
+    row[inside.end..].fill(last);
 }
 
 /// A target with all its blocks reconstructed in memory.

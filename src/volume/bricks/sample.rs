@@ -106,6 +106,30 @@ impl<const N: usize> Sites<N> {
     }
 }
 
+/// [`TypedBricks::sample_row`], compiled for wide registers too. No operation is fused or reordered, so every version gives
+/// the same bits.
+#[multiversion::multiversion(targets("x86_64+avx2", "x86_64+avx512f+avx512bw+avx512dq+avx512vl"))]
+fn sample_row<T: Voxel>(
+    bricks: &TypedBricks<T>,
+    index_from_lattice: &DAffine3,
+    row: DVec3,
+    i0: f64,
+    out: &mut [f32],
+) {
+    let last = bricks.last();
+    let mut corners = [[[T::zeroed(); 2]; LANES]; 4];
+    for (chunk, out) in out.chunks_mut(LANES).enumerate() {
+        let start = chunk * LANES;
+        let position = |n: usize| affine::step(index_from_lattice, row, i0 + (start + n) as f64);
+        let sites = Sites::<LANES>::new(position, last);
+        let mut n = 0;
+        while n < out.len() {
+            n = bricks.gather(&sites, n..out.len(), &mut corners);
+        }
+        out.copy_from_slice(&sites.blend(&corners)[..out.len()]);
+    }
+}
+
 impl<T: Voxel> TypedBricks<T> {
     /// The trilinear sample at the voxel position `p`, clamped to the outermost voxel centres.
     pub fn sample(&self, p: DVec3) -> f32 {
@@ -118,19 +142,7 @@ impl<T: Voxel> TypedBricks<T> {
 
     /// [`Self::sample`] at `affine::step(index_from_lattice, row, i0 + n)` for each `n` of `out`.
     pub fn sample_row(&self, index_from_lattice: &DAffine3, row: DVec3, i0: f64, out: &mut [f32]) {
-        let last = self.last();
-        let mut corners = [[[T::zeroed(); 2]; LANES]; 4];
-        for (chunk, out) in out.chunks_mut(LANES).enumerate() {
-            let start = chunk * LANES;
-            let position =
-                |n: usize| affine::step(index_from_lattice, row, i0 + (start + n) as f64);
-            let sites = Sites::<LANES>::new(position, last);
-            let mut n = 0;
-            while n < out.len() {
-                n = self.gather(&sites, n..out.len(), &mut corners);
-            }
-            out.copy_from_slice(&sites.blend(&corners)[..out.len()]);
-        }
+        sample_row(self, index_from_lattice, row, i0, out);
     }
 
     /// Fetches the corners of the samples of a range that are in the first one's brick; returns where they end.
