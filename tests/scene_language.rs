@@ -510,7 +510,7 @@ fn every_mistake_is_answered_with_its_place() {
         (top("view fov=20"), (2, 6), "`fov` goes with"),
         (top("view zoom=0"), (2, 6), "in 0.001..10000"),
         (
-            top("light towards=\"0 0 -1\"\n").repeat(1) + &"light towards=\"0 0 -1\"\n".repeat(5),
+            top("light towards=\"0 0 -1\"\n") + &"light towards=\"0 0 -1\"\n".repeat(5),
             (8, 1),
             "more than 5 lights",
         ),
@@ -553,7 +553,32 @@ fn every_mistake_is_answered_with_its_place() {
             "\"transparent\" or a colour",
         ),
         (top("material shininess=3"), (2, 10), "a power of two"),
-        (top("view azimuth=true"), (2, 14), ""),
+        (
+            top("render shading=true"),
+            (2, 16),
+            "Expected identifier string",
+        ),
+        (
+            in_scene("sphere radius="),
+            (2, 19),
+            "Expected property value",
+        ),
+        (
+            in_scene("sphere radius=1 ="),
+            (2, 21),
+            "`=` does not belong here",
+        ),
+        (
+            in_scene("sphere radius=1,value=2"),
+            (2, 20),
+            "Expected property value",
+        ),
+        (in_scene("sphere radius=1a"), (2, 20), ""),
+        (
+            in_scene("sphere (radius)=1"),
+            (2, 12),
+            "`(` does not belong here",
+        ),
         (
             "scene {\n  union {\n sphere radius=1\n}\n".into(),
             (1, 7),
