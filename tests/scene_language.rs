@@ -259,7 +259,7 @@ render mode="mip" samples-per-voxel=2 size="640x480"
         (shading.material.ambient, shading.material.shininess_log2),
         (0.3, 5)
     );
-    assert_eq!(shading.soft_gradient_per_mm, 0.02);
+    assert_eq!(shading.soft_gradient, 0.02);
     assert_eq!(
         (scene.settings.mode, scene.settings.samples_per_voxel),
         (Mode::Mip, 2.0)

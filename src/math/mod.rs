@@ -6,6 +6,8 @@
 mod aabb;
 pub mod affine;
 mod interval;
+mod viewpoint;
 
 pub use aabb::{Aabb, Overlap};
 pub use interval::Interval;
+pub use viewpoint::Viewpoint;

@@ -1,7 +1,14 @@
 //! The Volumetric CSG tree: what it is made of, what it evaluates to, and where it can be (VCSG §2).
 
+mod bounds;
+mod combine;
 mod node;
+mod prune;
+mod tree;
 
+pub use combine::Operator;
 pub use node::{
     BooleanOp, Combine, Family, Model, Node, NodeId, Plane, Shape, ValueMap, ValueRule, VolumeLeaf,
 };
+pub use prune::{Boundary, Pruned};
+pub use tree::{FramePlane, Leaf, Source, Step, Tree, TreeError};

@@ -6,7 +6,7 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use crate::math::Aabb;
+use crate::math::{Aabb, Viewpoint};
 
 /// How rays leave the eye.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,6 +63,8 @@ pub enum Lens {
     Perspective {
         /// Focal length in pixels.
         focal_px: f64,
+        /// The nearest depth that is drawn, millimetres, above 0.
+        near_mm: f64,
     },
 }
 
@@ -77,6 +79,9 @@ pub struct Camera {
     pub size: [u32; 2],
 }
 
+/// A perspective eye sees nothing closer than this fraction of its distance from the focus.
+const NEAR_FRACTION: f64 = 1e-3;
+
 impl View {
     /// The camera that shows `bounds` (world) in a frame of `size` pixels.
     pub fn camera(&self, bounds: &Aabb, size: [u32; 2]) -> Camera {
@@ -87,7 +92,9 @@ impl View {
             Projection::Orthographic => (Lens::Orthographic { pixels_per_mm }, 2.0 * radius),
             Projection::Perspective { fov_y_deg } => {
                 let focal_px = 0.5 * f64::from(size[1]) / (0.5 * fov_y_deg.to_radians()).tan();
-                (Lens::Perspective { focal_px }, focal_px / pixels_per_mm)
+                let distance = focal_px / pixels_per_mm;
+                let near_mm = distance * NEAR_FRACTION;
+                (Lens::Perspective { focal_px, near_mm }, distance)
             }
         };
         let focus = self.focus.unwrap_or_else(|| bounds.center());
@@ -115,15 +122,20 @@ impl View {
 }
 
 impl Camera {
-    /// Nearest depth that is drawn, as a fraction of the focal geometry: perspective planes closer than this are skipped.
-    pub const NEAR_MM: f64 = 1e-3;
+    /// The nearest depth that is drawn, millimetres; parallel rays reach back without end.
+    pub fn near_mm(&self) -> f64 {
+        match self.lens {
+            Lens::Orthographic { .. } => f64::NEG_INFINITY,
+            Lens::Perspective { near_mm, .. } => near_mm,
+        }
+    }
 
     /// The ray through the centre of pixel `(x, y)`, as the eye-space point at depth `z` (millimetres).
     pub fn point_at_depth(&self, x: u32, y: u32, z: f64) -> DVec3 {
         let off_axis = DVec2::new(f64::from(x), f64::from(y)) + 0.5 - self.center_px();
         match self.lens {
             Lens::Orthographic { pixels_per_mm } => (off_axis / pixels_per_mm).extend(z),
-            Lens::Perspective { focal_px } => (off_axis * (z / focal_px)).extend(z),
+            Lens::Perspective { focal_px, .. } => (off_axis * (z / focal_px)).extend(z),
         }
     }
 
@@ -139,7 +151,7 @@ impl Camera {
     pub fn project(&self, eye: DVec3) -> DVec2 {
         let scale = match self.lens {
             Lens::Orthographic { pixels_per_mm } => pixels_per_mm,
-            Lens::Perspective { focal_px } => focal_px / eye.z,
+            Lens::Perspective { focal_px, .. } => focal_px / eye.z,
         };
         self.center_px() + eye.truncate() * scale
     }
@@ -155,25 +167,6 @@ impl Camera {
 
     fn center_px(&self) -> DVec2 {
         DVec2::new(f64::from(self.size[0]), f64::from(self.size[1])) * 0.5
-    }
-}
-
-/// Where a viewer is seen from, in any affine frame: what decides the order of blocks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Viewpoint {
-    /// Infinitely far away in this direction.
-    Direction(DVec3),
-    /// At this point.
-    Point(DVec3),
-}
-
-impl Viewpoint {
-    /// The same viewpoint in another frame.
-    pub fn transformed(self, dst_from_src: &DAffine3) -> Self {
-        match self {
-            Self::Direction(d) => Self::Direction(dst_from_src.matrix3 * d),
-            Self::Point(p) => Self::Point(dst_from_src.transform_point3(p)),
-        }
     }
 }
 

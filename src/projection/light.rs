@@ -50,8 +50,8 @@ pub struct Shading {
     pub lights: Vec<Light>,
     /// The material of all that is drawn.
     pub material: Material,
-    /// g₀: the gradient, in fractions of the displayed value range a millimetre, at which `|m| = 1/√2`.
-    pub soft_gradient_per_mm: f64,
+    /// g₀: the gradient, in fractions of the target's value range a finest voxel, at which `|m| = 1/√2`; above 0.
+    pub soft_gradient: f64,
 }
 
 impl Shading {
@@ -86,7 +86,7 @@ impl Default for Shading {
         Self {
             lights: Self::key_and_fill(),
             material: Material::default(),
-            soft_gradient_per_mm: 0.01,
+            soft_gradient: 0.02,
         }
     }
 }

@@ -3,13 +3,28 @@
 
 mod camera;
 mod color;
+pub mod composite;
 mod light;
+mod planes;
 pub mod presets;
+mod projector;
+pub mod reference;
 mod settings;
+mod shade;
+mod slices;
+mod template;
 mod transfer;
+mod visibility;
 
 pub use camera::{Camera, Lens, Projection, View};
 pub use color::rgb_from_hex;
 pub use light::{DepthCue, Light, Material, Shading};
+pub use planes::{Planes, eye_from_lattice};
+pub use projector::{FrameSpec, ProjectError, Projector};
+pub use reference::Reference;
 pub use settings::{Mode, Settings};
+pub use shade::SoftNormals;
+pub use slices::{Slice, SliceBox, SlicePlan};
+pub use template::{MAX_SEGMENTS, MAX_VERTICES, MovingVertex, Segment, Template};
 pub use transfer::{ControlPoint, TransferError, TransferFunction, TransferTable};
+pub use visibility::{Visibility, VisibleValues};

@@ -93,6 +93,12 @@ impl TransferFunction {
         self.unit_mm
     }
 
+    /// The values between the first and the last point: what greys span.
+    pub fn window(&self) -> Interval {
+        let end = |p: Option<&ControlPoint>| p.map_or(0.0, |p| p.value);
+        Interval::new(end(self.points.first()), end(self.points.last()))
+    }
+
     /// Straight colour and unit-length opacity at `value`.
     pub fn evaluate(&self, value: f32) -> ([f32; 3], f32) {
         let after = self.points.partition_point(|p| p.value <= value);
@@ -167,6 +173,17 @@ impl TransferTable {
         let (a, b) = (self.entries[i], self.entries[i + 1]);
         std::array::from_fn(|c| f64::from(a[c]) + t * (f64::from(b[c]) - f64::from(a[c])))
     }
+}
+
+/// A premultiplied table entry for a path `length` times as long as the table's slab: `α' = 1 − (1−α)^length`, the colour
+/// kept.
+pub fn lengthened([r, g, b, a]: [f64; 4], length: f64) -> [f64; 4] {
+    if length == 1.0 || a <= 0.0 {
+        return [r, g, b, a];
+    }
+    let longer = 1.0 - (1.0 - a).powf(length);
+    let scale = longer / a;
+    [r * scale, g * scale, b * scale, longer]
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ impl Draft {
                 .map_or(Ok(default.shininess_log2), shininess_log2)?,
         };
         if let Some(soft) = element.get("soft-gradient") {
-            self.shading.soft_gradient_per_mm = soft.positive()?;
+            self.shading.soft_gradient = soft.positive()?;
         }
         Ok(())
     }

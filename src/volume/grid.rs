@@ -1,6 +1,12 @@
 //! A typed scalar grid with its place in the world.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::field::Field;
+use super::voxel::{Voxel, VoxelType, for_type};
+use crate::math::affine;
 
 /// Voxel values in their own type, x fastest, then y, then z.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,10 +29,294 @@ pub enum Voxels {
     F64(Vec<f64>),
 }
 
+impl Voxels {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        for_type!(Voxels, self, v => v.len())
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Their type.
+    pub fn voxel_type(&self) -> VoxelType {
+        fn of<T: Voxel>(_: &[T]) -> VoxelType {
+            T::TYPE
+        }
+        for_type!(Voxels, self, v => of(v))
+    }
+
+    /// The voxel at linear index `i` (`< len()`).
+    pub fn get(&self, i: usize) -> f64 {
+        for_type!(Voxels, self, v => v[i].to_f64())
+    }
+}
+
+/// What makes a [`Grid`] impossible.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum GridError {
+    /// An axis without voxels.
+    #[error("the grid has no voxels: its size is {} x {} x {}", .dims[0], .dims[1], .dims[2])]
+    Empty {
+        /// Voxels along x, y, z.
+        dims: [usize; 3],
+    },
+    /// An axis longer than [`Grid::MAX_DIM`], or more voxels than can be counted.
+    #[error("the grid is too large: its size is {} x {} x {}", .dims[0], .dims[1], .dims[2])]
+    TooLarge {
+        /// Voxels along x, y, z.
+        dims: [usize; 3],
+    },
+    /// More or fewer voxels than the size says.
+    #[error("the grid's size asks for {expected} voxels, but there are {found}")]
+    Count {
+        /// The product of the dims.
+        expected: usize,
+        /// The number of voxels given.
+        found: usize,
+    },
+    /// `world_from_index` has no inverse or is not finite.
+    #[error(
+        "the grid's axes do not span space: its index-to-world transform is singular or not finite"
+    )]
+    Singular,
+}
+
+/// What the voxels of a [`Grid`] are on the whole; non-finite ones are left out and counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stats {
+    /// Smallest finite value; NaN when there is none.
+    pub min: f64,
+    /// Largest finite value; NaN when there is none.
+    pub max: f64,
+    /// Mean of the finite values; NaN when there is none.
+    pub mean: f64,
+    /// How many voxels are NaN or infinite.
+    pub non_finite: usize,
+}
+
 /// A regular lattice of scalar voxels. `world_from_index` maps a voxel's index (its centre) to LPS millimetres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     dims: [usize; 3],
     world_from_index: DAffine3,
     voxels: Voxels,
+}
+
+impl Grid {
+    /// The most voxels along one axis: positions are 64-bit fixed-point numbers of 24 fraction bits (see `sample`).
+    pub const MAX_DIM: usize = 1 << 27;
+
+    /// A grid of `dims` voxels along x, y, z.
+    ///
+    /// # Errors
+    /// An axis of no or too many voxels, another number of voxels than `dims` say, or a transform that cannot be inverted.
+    pub fn new(
+        dims: [usize; 3],
+        world_from_index: DAffine3,
+        voxels: Voxels,
+    ) -> Result<Self, GridError> {
+        let expected = voxel_count(dims)?;
+        let found = voxels.len();
+        if found != expected {
+            return Err(GridError::Count { expected, found });
+        }
+        affine::invert(&world_from_index).ok_or(GridError::Singular)?;
+        Ok(Self {
+            dims,
+            world_from_index,
+            voxels,
+        })
+    }
+
+    /// `field` at the voxels of a lattice, in `f32`; 0 where it has no coverage.
+    ///
+    /// # Errors
+    /// Those of [`Grid::new`].
+    pub fn from_field(
+        field: &dyn Field,
+        dims: [usize; 3],
+        world_from_index: DAffine3,
+    ) -> Result<Self, GridError> {
+        voxel_count(dims)?;
+        let voxel = |i, j, k| {
+            let p = affine::point(&world_from_index, DVec3::new(i as f64, j as f64, k as f64));
+            field.sample(p).premultiplied()
+        };
+        let values = (0..dims[2])
+            .into_par_iter()
+            .flat_map_iter(|k| {
+                (0..dims[1]).flat_map(move |j| (0..dims[0]).map(move |i| voxel(i, j, k)))
+            })
+            .collect();
+        Self::new(dims, world_from_index, Voxels::F32(values))
+    }
+
+    /// Voxels along x, y, z.
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// World LPS millimetres of a voxel index.
+    pub fn world_from_index(&self) -> &DAffine3 {
+        &self.world_from_index
+    }
+
+    /// The voxels.
+    pub fn voxels(&self) -> &Voxels {
+        &self.voxels
+    }
+
+    /// The voxels' type.
+    pub fn voxel_type(&self) -> VoxelType {
+        self.voxels.voxel_type()
+    }
+
+    /// The voxel at `index` (below `dims` on each axis).
+    pub fn value_at(&self, index: [usize; 3]) -> f64 {
+        let [i, j, k] = index;
+        self.voxels.get((k * self.dims[1] + j) * self.dims[0] + i)
+    }
+
+    /// Smallest, largest and mean value, and how many are not finite.
+    pub fn stats(&self) -> Stats {
+        for_type!(Voxels, &self.voxels, v => stats(v))
+    }
+}
+
+/// The number of voxels of a grid of `dims`, checked.
+pub(crate) fn voxel_count(dims: [usize; 3]) -> Result<usize, GridError> {
+    if dims.contains(&0) {
+        return Err(GridError::Empty { dims });
+    }
+    if dims.iter().any(|&n| n > Grid::MAX_DIM) {
+        return Err(GridError::TooLarge { dims });
+    }
+    dims.iter()
+        .try_fold(1usize, |n, &d| n.checked_mul(d))
+        .ok_or(GridError::TooLarge { dims })
+}
+
+/// The running part of [`Stats`].
+#[derive(Clone, Copy)]
+struct Tally {
+    min: f64,
+    max: f64,
+    sum: f64,
+    finite: usize,
+}
+
+impl Tally {
+    const NONE: Self = Self {
+        min: f64::INFINITY,
+        max: f64::NEG_INFINITY,
+        sum: 0.0,
+        finite: 0,
+    };
+
+    fn with(self, v: f64) -> Self {
+        if !v.is_finite() {
+            return self;
+        }
+        self.join(Self {
+            min: v,
+            max: v,
+            sum: v,
+            finite: 1,
+        })
+    }
+
+    fn join(self, other: Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            sum: self.sum + other.sum,
+            finite: self.finite + other.finite,
+        }
+    }
+}
+
+/// Chunks of fixed size are summed in their order, so that the mean does not depend on the number of threads.
+fn stats<T: Voxel>(voxels: &[T]) -> Stats {
+    let chunks: Vec<Tally> = voxels
+        .par_chunks(1 << 16)
+        .map(|chunk| {
+            chunk
+                .iter()
+                .fold(Tally::NONE, |tally, v| tally.with(v.to_f64()))
+        })
+        .collect();
+    let all = chunks.into_iter().fold(Tally::NONE, Tally::join);
+    let some = |v: f64| if all.finite > 0 { v } else { f64::NAN };
+    Stats {
+        min: some(all.min),
+        max: some(all.max),
+        mean: all.sum / all.finite as f64,
+        non_finite: voxels.len() - all.finite,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(dims: [usize; 3], voxels: Voxels) -> Result<Grid, GridError> {
+        Grid::new(dims, DAffine3::IDENTITY, voxels)
+    }
+
+    #[test]
+    fn x_is_the_fastest_axis() {
+        let g = grid([2, 3, 4], Voxels::U8((0..24).collect())).unwrap();
+        assert_eq!(g.value_at([1, 0, 0]), 1.0);
+        assert_eq!(g.value_at([0, 1, 0]), 2.0);
+        assert_eq!(g.value_at([0, 0, 1]), 6.0);
+    }
+
+    #[test]
+    fn impossible_grids_are_refused() {
+        let huge = [1 << 26; 3];
+        assert_eq!(
+            grid([2, 2, 2], Voxels::U8(vec![0; 7])),
+            Err(GridError::Count {
+                expected: 8,
+                found: 7
+            })
+        );
+        assert_eq!(
+            grid([2, 0, 2], Voxels::U8(vec![])),
+            Err(GridError::Empty { dims: [2, 0, 2] })
+        );
+        assert_eq!(
+            grid(huge, Voxels::U8(vec![])),
+            Err(GridError::TooLarge { dims: huge })
+        );
+        let flat = DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.0));
+        assert_eq!(
+            Grid::new([1; 3], flat, Voxels::U8(vec![0])),
+            Err(GridError::Singular)
+        );
+    }
+
+    #[test]
+    fn stats_leave_out_what_is_not_finite() {
+        let v = vec![1.0, f32::NAN, 4.0, f32::INFINITY];
+        let stats = grid([4, 1, 1], Voxels::F32(v)).unwrap().stats();
+        assert_eq!(
+            stats,
+            Stats {
+                min: 1.0,
+                max: 4.0,
+                mean: 2.5,
+                non_finite: 2
+            }
+        );
+    }
+
+    #[test]
+    fn stats_of_no_finite_voxel_are_nan() {
+        let stats = grid([1; 3], Voxels::F64(vec![f64::NAN])).unwrap().stats();
+        assert!(stats.min.is_nan() && stats.max.is_nan() && stats.mean.is_nan());
+    }
 }

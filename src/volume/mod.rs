@@ -5,7 +5,9 @@ mod bricks;
 mod field;
 mod grid;
 pub mod io;
+mod voxel;
 
-pub use bricks::Bricks;
+pub use bricks::{BrickStore, Bricks, TypedBricks};
 pub use field::{Field, Sample, SampleRange};
-pub use grid::{Grid, Voxels};
+pub use grid::{Grid, GridError, Stats, Voxels};
+pub use voxel::{Voxel, VoxelType};

@@ -1,0 +1,182 @@
+//! Constants and structures that Rust and GLSL share.
+//!
+//! Each is written once, here: the compiler sees the Rust text, and `build.rs`, which includes this file, hands the GLSL
+//! text of [`glsl`] to shaders as `#include "interface.glsl"`. A test reflects the compiled shaders and compares every
+//! offset and size. GLSL's std140 and std430 agree with `repr(C)` where vectors of 3 are avoided and structures are padded
+//! to 16 bytes.
+
+/// Four floats.
+pub type Vec4 = [f32; 4];
+
+/// One member of a shared structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Member {
+    /// Its name.
+    pub name: &'static str,
+    /// Its Rust type, as written.
+    pub rust_type: &'static str,
+    /// Its place, bytes.
+    pub offset: usize,
+}
+
+/// A shared structure as Rust lays it out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Its name.
+    pub name: &'static str,
+    /// Its members in order.
+    pub members: Vec<Member>,
+    /// Its size, bytes.
+    pub size: usize,
+}
+
+/// Declares the constants for both languages.
+macro_rules! constants {
+    ($($(#[$doc:meta])* pub const $constant:ident: u32 = $value:expr;)*) => {
+        $($(#[$doc])* pub const $constant: u32 = $value;)*
+
+        /// The shared constants: name and value.
+        pub fn constants() -> Vec<(&'static str, u32)> {
+            vec![$((stringify!($constant), $constant)),*]
+        }
+    };
+}
+
+/// Declares the structures for both languages.
+macro_rules! structures {
+    ($($(#[$doc:meta])* pub struct $name:ident { $($(#[$member_doc:meta])* pub $member:ident: $type:tt,)* })*) => {
+        $(
+            $(#[$doc])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+            pub struct $name { $($(#[$member_doc])* pub $member: $type,)* }
+        )*
+
+        /// The shared structures in the order of their declaration.
+        pub fn layouts() -> Vec<Layout> {
+            vec![$(Layout {
+                name: stringify!($name),
+                members: vec![$(Member {
+                    name: stringify!($member),
+                    rust_type: stringify!($type),
+                    offset: std::mem::offset_of!($name, $member),
+                }),*],
+                size: size_of::<$name>(),
+            }),*]
+        }
+    };
+}
+
+constants! {
+    /// The most lights of a frame.
+    pub const MAX_LIGHTS: u32 = 5;
+    /// The most depth intervals of a slice template.
+    pub const MAX_SEGMENTS: u32 = 7;
+    /// The most vertices of a slice polygon.
+    pub const MAX_VERTICES: u32 = 6;
+    /// Vertices of all segments of a template.
+    pub const TEMPLATE_VERTICES: u32 = 42;
+    /// Entries of a transfer table.
+    pub const TABLE_LEN: u32 = 4096;
+    /// Emission and absorption.
+    pub const MODE_COMPOSITE: u32 = 0;
+    /// Largest value.
+    pub const MODE_MIP: u32 = 1;
+    /// Smallest value.
+    pub const MODE_MINIP: u32 = 2;
+    /// Mean value.
+    pub const MODE_AVERAGE: u32 = 3;
+    /// Emission alone.
+    pub const MODE_ADDITIVE: u32 = 4;
+    /// Absorption alone.
+    pub const MODE_XRAY: u32 = 5;
+}
+
+structures! {
+    /// All that is the same for every slice of a frame.
+    pub struct FrameData {
+        /// The rows of the map from lattice coordinates to the eye frame, millimetres.
+        pub eye_from_lattice: [Vec4; 3],
+        /// Normalised device coordinates for each millimetre (parallel) or for each unit of slope, along x and y.
+        pub lens: Vec4,
+        /// Depth at which the depth cue begins, one over the depth that it spans, and its strength.
+        pub cue: Vec4,
+        /// Scale and offset from stored values to fractions of the value range.
+        pub values: Vec4,
+        /// Ambient, diffuse and specular factors.
+        pub material: Vec4,
+        /// Unit vectors towards the lights in the frame of the normals, and their intensities.
+        pub lights: [Vec4; MAX_LIGHTS as usize],
+        /// Unit vectors half way between each light and the viewer.
+        pub half_ways: [Vec4; MAX_LIGHTS as usize],
+    }
+
+    /// A drawn box.
+    pub struct BoxData {
+        /// Its first corner in lattice coordinates, and the depth of its nearest corner in millimetres.
+        pub origin: Vec4,
+        /// Its edges in lattice coordinates, and the index of its template.
+        pub size: Vec4,
+        /// Texture coordinates of its first corner.
+        pub texture_origin: Vec4,
+        /// Texture coordinates that its edges span.
+        pub texture_size: Vec4,
+    }
+
+    /// A polygon vertex that moves along an edge of the unit box.
+    pub struct MovingVertexData {
+        /// Where it is at the depth of the nearest corner.
+        pub base: Vec4,
+        /// How far it moves for each millimetre of depth.
+        pub slope: Vec4,
+    }
+
+    /// The polygons of all planes through a box.
+    pub struct TemplateData {
+        /// Where each segment ends, millimetres behind the nearest corner.
+        pub ends: [Vec4; 2],
+        /// The vertices of each segment; the last one is repeated to fill six.
+        pub vertices: [MovingVertexData; TEMPLATE_VERTICES as usize],
+    }
+}
+
+/// The GLSL text of everything shared.
+pub fn glsl() -> String {
+    let constants = constants()
+        .into_iter()
+        .map(|(name, value)| format!("const uint {name} = {value}u;\n"));
+    let structures = layouts().into_iter().map(|layout| {
+        let members: String = layout
+            .members
+            .iter()
+            .map(|member| format!("    {};\n", declaration(member)))
+            .collect();
+        format!("struct {} {{\n{members}}};\n", layout.name)
+    });
+    constants.chain(structures).collect()
+}
+
+/// `vec4 color` or `Light lights[MAX_LIGHTS]`.
+fn declaration(member: &Member) -> String {
+    let array = member
+        .rust_type
+        .strip_prefix('[')
+        .and_then(|rest| rest.strip_suffix(']')?.split_once(';'));
+    match array {
+        Some((element, count)) => {
+            let count = count.trim().trim_end_matches("as usize").trim();
+            format!("{} {}[{count}]", glsl_type(element.trim()), member.name)
+        }
+        None => format!("{} {}", glsl_type(member.rust_type), member.name),
+    }
+}
+
+fn glsl_type(rust_type: &str) -> String {
+    match rust_type {
+        "f32" => "float".to_owned(),
+        "u32" => "uint".to_owned(),
+        "i32" => "int".to_owned(),
+        "Vec2" | "Vec4" | "UVec4" | "IVec4" | "Mat4" => rust_type.to_lowercase(),
+        structure => structure.to_owned(),
+    }
+}

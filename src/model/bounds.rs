@@ -1,0 +1,140 @@
+//! The hierarchy of bounding boxes (VCSG §2.4).
+//!
+//! *Theory.* A leaf's box is that of its data. A transfer keeps its child's box, a cut clips it, union and intersection
+//! unite and intersect their children's, a subtraction keeps its first child's.
+//! *Changes from the paper.* A transform node's box is stated in its parent's frame, as the axis-aligned box of its child's
+//! moved corners; the paper keeps the child's and moves the tested block instead, which is what [`Tree`](super::Tree) does
+//! for leaves, where it decides. A subtraction that keeps the first operand's extent is bounded in the same way.
+
+use glam::DVec3;
+
+use super::{BooleanOp, Model, Node, Plane, Shape};
+use crate::math::Aabb;
+
+impl Model {
+    /// The box of every node, in the frame of its parent, by node index; empty where the node is nowhere, infinite where it
+    /// is unbounded.
+    pub fn bounds(&self) -> Vec<Aabb> {
+        let mut boxes: Vec<Aabb> = Vec::with_capacity(self.nodes().len());
+        for node in self.nodes() {
+            boxes.push(node_bounds(node, &boxes));
+        }
+        boxes
+    }
+}
+
+fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
+    match node {
+        Node::Volume(leaf) => leaf
+            .bricks
+            .index_bounds()
+            .transformed(leaf.bricks.world_from_index()),
+        Node::Primitive { shape, .. } => shape.bounds(),
+        Node::Transform {
+            child,
+            parent_from_child,
+        } => boxes[child.index()].transformed(parent_from_child),
+        Node::Transfer { child, .. } => boxes[child.index()],
+        Node::Cut { child, plane } => clip(&boxes[child.index()], plane),
+        Node::Combine(c) => {
+            let (first, second) = (&boxes[c.first.index()], &boxes[c.second.index()]);
+            match c.op {
+                BooleanOp::Union => first.hull(second),
+                BooleanOp::Intersection => first.intersect(second),
+                BooleanOp::Subtraction | BooleanOp::SubtractionWithRule => *first,
+            }
+        }
+    }
+}
+
+impl Shape {
+    /// The box of the shape in its own frame.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Self::Sphere { center, radius } => {
+                Aabb::new(*center, *center).expand(DVec3::splat(*radius))
+            }
+            Self::Box(bounds) => *bounds,
+            Self::HalfSpace(plane) => clip(&Aabb::ALL, plane),
+        }
+    }
+}
+
+/// The box of what a plane leaves of a box.
+fn clip(bounds: &Aabb, plane: &Plane) -> Aabb {
+    if bounds.is_empty() {
+        return *bounds;
+    }
+    if !bounds.is_finite() {
+        return clip_unbounded(bounds, plane);
+    }
+    let corners = bounds.corners();
+    let distance = corners.map(|c| plane.distance(c));
+    let kept = (0..8).filter(|&i| distance[i] <= 0.0).map(|i| corners[i]);
+    let crossings = edges().filter_map(|(a, b)| {
+        let (da, db) = (distance[a], distance[b]);
+        ((da <= 0.0) != (db <= 0.0)).then(|| corners[a].lerp(corners[b], da / (da - db)))
+    });
+    let clipped = Aabb::of_points(kept.chain(crossings));
+    // A crossing is rounded; no point may be lost for it.
+    clipped.expand(bounds.size() * 1e-12).intersect(bounds)
+}
+
+/// Only a plane across an axis bounds a box that is infinite along it.
+fn clip_unbounded(bounds: &Aabb, plane: &Plane) -> Aabb {
+    let mut clipped = *bounds;
+    for axis in 0..3 {
+        let n = plane.normal[axis];
+        if n == 1.0 {
+            clipped.max[axis] = clipped.max[axis].min(-plane.offset);
+        } else if n == -1.0 {
+            clipped.min[axis] = clipped.min[axis].max(plane.offset);
+        }
+    }
+    clipped
+}
+
+/// The twelve edges of a box as pairs of corner indices.
+fn edges() -> impl Iterator<Item = (usize, usize)> {
+    (0..8usize).flat_map(|a| {
+        [1, 2, 4]
+            .into_iter()
+            .filter_map(move |bit| (a & bit == 0).then_some((a, a | bit)))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_clipped_box_loses_no_kept_point(
+            n in [-1.0f64..1.0, -1.0..1.0, -1.0..1.0],
+            at in [-4.0f64..4.0, -4.0..4.0, -4.0..4.0],
+            t in [0.0f64..=1.0, 0.0..=1.0, 0.0..=1.0],
+        ) {
+            let bounds = Aabb::new(DVec3::new(-3.0, -2.0, -1.0), DVec3::new(3.0, 2.5, 4.0));
+            let Some(plane) = Plane::through(at.into(), n.into()) else { return Ok(()) };
+            let p = bounds.min + bounds.size() * DVec3::from(t);
+            let clipped = clip(&bounds, &plane);
+            if plane.distance(p) <= 0.0 {
+                prop_assert!(clipped.contains(p), "{p} of {clipped:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_clip_is_tight() {
+        let bounds = Aabb::new(DVec3::ZERO, DVec3::ONE);
+        let plane = Plane::through(DVec3::splat(0.25), DVec3::ONE).unwrap();
+        let clipped = clip(&bounds, &plane);
+        assert!(
+            (clipped.max - DVec3::splat(0.75)).length() < 1e-9,
+            "{clipped:?}"
+        );
+        let axis = Plane::through(DVec3::X * 0.5, -DVec3::X).unwrap();
+        assert_eq!(clip(&Aabb::ALL, &axis).min.x, 0.5);
+    }
+}

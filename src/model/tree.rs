@@ -1,0 +1,379 @@
+//! The tree in one frame, flattened: what a point evaluates to, and the truth that every block's path is held against.
+//!
+//! *Theory.* A node's value at P is its operation on its children's values at P, with P moved into each child's frame
+//! (VCSG §2.2, 2.3).
+//! *Changes from the paper.* The transforms on the way from the root to a leaf are composed once into that leaf's
+//! `local_from_frame`, and values meet on a stack: the post-order list of steps *is* the tree.
+//! *Practice.* A tree bound to a target's lattice evaluates at voxel indices, so that paths, which step along rows of voxels,
+//! can agree with it bit for bit.
+
+use glam::{DAffine3, DVec3};
+
+use super::{Combine, Model, Node, NodeId, Operator, Plane, Shape, ValueMap, VolumeLeaf};
+use crate::math::{Aabb, Interval, affine};
+use crate::volume::Sample;
+
+/// One step of a flattened tree: pushes a sample, or replaces those on top of the stack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// Pushes leaf `.0`, testing whether the point lies in its box.
+    Leaf(u32),
+    /// Pushes leaf `.0`, known to hold the point (VCSG §3.1, criterion 1).
+    LeafInside(u32),
+    /// Maps the value on top by map `.0`.
+    Map(u32),
+    /// Empties the top where cut `.0` takes it away.
+    Cut(u32),
+    /// Combines the two on top by operator `.0`.
+    Combine(u32),
+}
+
+/// What a leaf is made of.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// Voxels; the local frame is the volume's index space.
+    Volume(VolumeLeaf),
+    /// Geometry of one value; the local frame is the node's.
+    Primitive {
+        /// Its shape.
+        shape: Shape,
+        /// Its value.
+        value: f32,
+    },
+}
+
+/// A leaf and where it is.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    /// What it is.
+    pub source: Source,
+    /// From the tree's frame to the leaf's own.
+    pub local_from_frame: DAffine3,
+    /// Its box in its own frame.
+    pub local_bounds: Aabb,
+    /// A box of the tree's frame that holds the leaf.
+    pub frame_bounds: Aabb,
+}
+
+/// A plane as a linear form in the tree's frame: taken away where `normal · p + offset > 0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FramePlane {
+    /// Gradient of the signed distance; not of unit length where the frame is scaled.
+    pub normal: DVec3,
+    /// Signed distance (millimetres) at the frame's origin.
+    pub offset: f64,
+}
+
+/// A model flattened in one frame.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    steps: Vec<Step>,
+    leaves: Vec<Leaf>,
+    maps: Vec<ValueMap>,
+    cuts: Vec<FramePlane>,
+    operators: Vec<Operator>,
+}
+
+/// Why a model cannot be flattened.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TreeError {
+    /// Shared subtrees multiply out to too much.
+    #[error(
+        "the tree has over {} steps once its shared parts are written out; use fewer nested uses",
+        Tree::MAX_STEPS
+    )]
+    TooLarge,
+}
+
+impl Plane {
+    /// Signed distance of `p`, above 0 on the side that is taken away.
+    #[inline]
+    pub fn distance(&self, p: DVec3) -> f64 {
+        linear(self.normal, self.offset, p)
+    }
+}
+
+#[inline]
+fn linear(normal: DVec3, offset: f64, p: DVec3) -> f64 {
+    normal.x * p.x + (normal.y * p.y + (normal.z * p.z + offset))
+}
+
+impl FramePlane {
+    /// Signed distance (millimetres) of the frame's point `p`.
+    #[inline]
+    pub fn distance(&self, p: DVec3) -> f64 {
+        linear(self.normal, self.offset, p)
+    }
+
+    fn new(plane: &Plane, local_from_frame: &DAffine3) -> Self {
+        Self {
+            normal: local_from_frame.matrix3.transpose() * plane.normal,
+            offset: plane.distance(local_from_frame.translation),
+        }
+    }
+}
+
+impl Leaf {
+    fn new(source: Source, local_from_frame: DAffine3, local_bounds: Aabb) -> Self {
+        let local_from_frame = affine::snapped(&local_from_frame);
+        let hull = local_bounds.transformed(&local_from_frame.inverse());
+        // Far more than the rounding of a mapped point, far less than a voxel.
+        let slack = 1e-9 * (1.0 + hull.min.abs().max(hull.max.abs()).max_element());
+        Self {
+            source,
+            local_from_frame,
+            local_bounds,
+            frame_bounds: hull.expand(DVec3::splat(slack)),
+        }
+    }
+
+    /// The leaf at `local`, a point of its box in its own frame.
+    #[inline]
+    pub fn sample_inside(&self, local: DVec3) -> Sample {
+        match &self.source {
+            Source::Volume(leaf) => leaf.admit(leaf.bricks.sample_index(local)),
+            Source::Primitive { shape, value } => shape.sample(local, *value),
+        }
+    }
+}
+
+impl VolumeLeaf {
+    /// Whether no value is kept out; NaN always is.
+    pub fn admits_all(&self) -> bool {
+        self.window == Interval::ALL && !self.bricks.has_missing()
+    }
+
+    /// The sample of an interpolated value: present only where the value lies in the leaf's window (NaN never does).
+    #[inline]
+    pub fn admit(&self, value: f32) -> Sample {
+        if self.window.contains(value) {
+            Sample::solid(value)
+        } else {
+            Sample::EMPTY
+        }
+    }
+}
+
+impl Shape {
+    /// The shape at `p` in its own frame: `value` inside, nothing outside.
+    #[inline]
+    pub fn sample(&self, p: DVec3, value: f32) -> Sample {
+        let inside = match self {
+            Self::Sphere { center, radius } => p.distance_squared(*center) <= radius * radius,
+            Self::Box(bounds) => bounds.contains(p),
+            Self::HalfSpace(plane) => plane.distance(p) <= 0.0,
+        };
+        if inside {
+            Sample::solid(value)
+        } else {
+            Sample::EMPTY
+        }
+    }
+}
+
+impl Tree {
+    /// The most steps that a tree may have once shared subtrees are written out.
+    pub const MAX_STEPS: usize = 4_000_000;
+
+    /// Flattens `model` for points of a frame placed by `world_from_frame`.
+    ///
+    /// # Errors
+    /// If shared subtrees multiply out to more than [`Self::MAX_STEPS`] steps.
+    pub fn new(model: &Model, world_from_frame: &DAffine3) -> Result<Self, TreeError> {
+        let mut tree = Self::default();
+        // A node waits on the stack twice: to have its children visited, then to be written behind them.
+        let mut pending: Vec<Visit> = model
+            .root()
+            .map(|id| Visit::enter(id, *world_from_frame))
+            .into_iter()
+            .collect();
+        while let Some(visit) = pending.pop() {
+            if visit.children_done {
+                tree.write(model.node(visit.id), &visit.node_from_frame);
+            } else {
+                visit.expand(model, &mut pending);
+            }
+            if tree.steps.len() + pending.len() > Self::MAX_STEPS {
+                return Err(TreeError::TooLarge);
+            }
+        }
+        Ok(tree)
+    }
+
+    fn write(&mut self, node: &Node, node_from_frame: &DAffine3) {
+        match node {
+            Node::Volume(leaf) => {
+                let index_from_world = leaf.bricks.world_from_index().inverse();
+                let index_from_frame = index_from_world * *node_from_frame;
+                self.push_leaf(Leaf::new(
+                    Source::Volume(leaf.clone()),
+                    index_from_frame,
+                    leaf.bricks.index_bounds(),
+                ));
+            }
+            Node::Primitive { shape, value } => self.push_leaf(Leaf::new(
+                Source::Primitive {
+                    shape: *shape,
+                    value: *value,
+                },
+                *node_from_frame,
+                shape.bounds(),
+            )),
+            Node::Transform { .. } => {}
+            Node::Transfer { map, .. } => {
+                self.steps.push(Step::Map(self.maps.len() as u32));
+                self.maps.push(map.clone());
+            }
+            Node::Cut { plane, .. } => {
+                self.steps.push(Step::Cut(self.cuts.len() as u32));
+                self.cuts.push(FramePlane::new(plane, node_from_frame));
+            }
+            Node::Combine(Combine {
+                op, rule, family, ..
+            }) => {
+                self.steps.push(Step::Combine(self.operators.len() as u32));
+                self.operators.push(Operator {
+                    op: *op,
+                    rule: *rule,
+                    family: *family,
+                });
+            }
+        }
+    }
+
+    fn push_leaf(&mut self, leaf: Leaf) {
+        self.steps.push(Step::Leaf(self.leaves.len() as u32));
+        self.leaves.push(leaf);
+    }
+
+    /// The steps of the whole tree, in post-order.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// Leaf `index` of a [`Step::Leaf`].
+    pub fn leaf(&self, index: u32) -> &Leaf {
+        &self.leaves[index as usize]
+    }
+
+    /// All leaves.
+    pub fn leaves(&self) -> &[Leaf] {
+        &self.leaves
+    }
+
+    /// Map `index` of a [`Step::Map`].
+    pub fn map(&self, index: u32) -> &ValueMap {
+        &self.maps[index as usize]
+    }
+
+    /// Plane `index` of a [`Step::Cut`].
+    pub fn cut(&self, index: u32) -> &FramePlane {
+        &self.cuts[index as usize]
+    }
+
+    /// Operator `index` of a [`Step::Combine`].
+    pub fn operator(&self, index: u32) -> &Operator {
+        &self.operators[index as usize]
+    }
+
+    /// All operators.
+    pub fn operators(&self) -> &[Operator] {
+        &self.operators
+    }
+
+    /// Whether any value is mapped.
+    pub fn has_maps(&self) -> bool {
+        !self.maps.is_empty()
+    }
+
+    /// The model at point `p` of the frame: the truth.
+    pub fn sample(&self, p: DVec3) -> Sample {
+        let mut stack = Vec::new();
+        for &step in &self.steps {
+            self.apply(step, p, &mut stack);
+        }
+        stack.pop().unwrap_or(Sample::EMPTY)
+    }
+
+    fn apply(&self, step: Step, p: DVec3, stack: &mut Vec<Sample>) {
+        match step {
+            Step::Leaf(i) | Step::LeafInside(i) => {
+                let leaf = self.leaf(i);
+                let local = affine::point(&leaf.local_from_frame, p);
+                let inside = leaf.local_bounds.contains(local);
+                stack.push(if inside {
+                    leaf.sample_inside(local)
+                } else {
+                    Sample::EMPTY
+                });
+            }
+            Step::Map(i) => {
+                let top = stack.last_mut().expect("a map has an operand");
+                *top = self.map(i).sample(*top);
+            }
+            Step::Cut(i) => {
+                let top = stack.last_mut().expect("a cut has an operand");
+                if self.cut(i).distance(p) > 0.0 {
+                    *top = Sample::EMPTY;
+                }
+            }
+            Step::Combine(i) => {
+                let second = stack.pop().expect("an operator has two operands");
+                let first = stack.last_mut().expect("an operator has two operands");
+                *first = self.operator(i).apply(*first, second);
+            }
+        }
+    }
+}
+
+impl ValueMap {
+    /// The map of a sample: an absent one stays absent.
+    #[inline]
+    pub fn sample(&self, s: Sample) -> Sample {
+        if s.coverage > 0.0 {
+            Sample {
+                value: self.apply(s.value),
+                ..s
+            }
+        } else {
+            Sample::EMPTY
+        }
+    }
+}
+
+/// A node on the way to being flattened.
+struct Visit {
+    id: NodeId,
+    node_from_frame: DAffine3,
+    children_done: bool,
+}
+
+impl Visit {
+    fn enter(id: NodeId, node_from_frame: DAffine3) -> Self {
+        Self {
+            id,
+            node_from_frame,
+            children_done: false,
+        }
+    }
+
+    /// Puts the node back, to be written after its children, which are pushed so that the first is visited first.
+    fn expand(self, model: &Model, pending: &mut Vec<Self>) {
+        let node = model.node(self.id);
+        let child_from_frame = match node {
+            Node::Transform {
+                parent_from_child, ..
+            } => parent_from_child.inverse() * self.node_from_frame,
+            _ => self.node_from_frame,
+        };
+        pending.push(Self {
+            children_done: true,
+            ..self
+        });
+        let children: Vec<NodeId> = node.children().collect();
+        for &child in children.iter().rev() {
+            pending.push(Self::enter(child, child_from_frame));
+        }
+    }
+}

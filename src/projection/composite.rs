@@ -1,0 +1,84 @@
+//! How the samples along a ray become a pixel, in each mode.
+//!
+//! *Practice.* Every mode is one blend equation on four channels, so a device's fixed-function blending does it. The value
+//! modes accumulate fractions of the target's value range weighted by coverage, which is continuous where an object ends; a
+//! last step ([`resolve`]) turns what was accumulated into premultiplied RGBA.
+
+use super::{Mode, TransferFunction};
+use crate::image::Frame;
+use crate::math::Interval;
+
+/// The blend equation of a mode, back to front, on `[red, green, blue, alpha]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blending {
+    /// `source + (1 − source alpha) · destination`.
+    Over,
+    /// `source + destination`.
+    Add,
+    /// The larger, channel by channel.
+    Max,
+}
+
+impl Mode {
+    /// How a sample is blended over what is behind it.
+    pub fn blending(self) -> Blending {
+        match self {
+            Self::Composite | Self::XRay => Blending::Over,
+            Self::Additive | Self::Average => Blending::Add,
+            Self::Mip | Self::MinIp => Blending::Max,
+        }
+    }
+
+    /// Whether samples go through the transfer function's colours; otherwise their values are accumulated.
+    pub fn classifies(self) -> bool {
+        matches!(self, Self::Composite | Self::XRay | Self::Additive)
+    }
+}
+
+impl Blending {
+    /// One sample blended over what is behind it.
+    pub fn blend(self, source: [f64; 4], behind: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|c| match self {
+            Self::Over => source[c] + (1.0 - source[3]) * behind[c],
+            Self::Add => source[c] + behind[c],
+            Self::Max => source[c].max(behind[c]),
+        })
+    }
+}
+
+/// What a value mode accumulates of a sample: `weighted` is the fraction of the value range times coverage.
+pub fn value_source(mode: Mode, weighted: f64, coverage: f64, path_per_depth: f64) -> [f64; 4] {
+    let (value, weight) = match mode {
+        Mode::MinIp => (coverage - weighted, coverage),
+        Mode::Average => (weighted * path_per_depth, coverage * path_per_depth),
+        _ => (weighted, coverage),
+    };
+    [value, value, value, weight]
+}
+
+/// Accumulated pixels as premultiplied RGBA. Value modes show greys of the transfer function's window.
+pub fn resolve(
+    mode: Mode,
+    accumulated: &Frame,
+    value_range: Interval,
+    transfer: &TransferFunction,
+) -> Frame {
+    if mode.classifies() {
+        return accumulated.clone();
+    }
+    let window = transfer.window();
+    accumulated.map(|[value, .., weight]| {
+        if weight <= 0.0 {
+            return [0.0; 4];
+        }
+        let fraction = match mode {
+            Mode::MinIp => 1.0 - value,
+            Mode::Average => value / weight,
+            _ => value,
+        };
+        let shown = value_range.lo + fraction * value_range.width();
+        let grey = ((shown - window.lo) / window.width().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let alpha = weight.min(1.0);
+        [grey * alpha, grey * alpha, grey * alpha, alpha]
+    })
+}

@@ -1,0 +1,153 @@
+//! The plan of a sliced frame: which polygons are drawn, in which order (VCSG §3.3.2).
+//!
+//! *Theory.* Blocks are visited from back to front, and each is drawn as the polygons in which the Z-planes cut it.
+//! *Changes from the paper.* Only the visible cubes of a block are drawn, the planes are shared by all of them
+//! ([`Planes`](super::Planes)), and templates are exact ([`Template`](super::Template)).
+//! *Practice.* The plan is plain data: a list of boxes with their template, and a list of slices. The device only carries it
+//! out, so everything up to the last step is tested without one.
+
+use std::collections::HashMap;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::{Camera, Planes, Template, Visibility, eye_from_lattice};
+use crate::math::affine;
+use crate::target::Cube;
+
+/// A drawn box: a visible cube as far as it lies in the lattice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SliceBox {
+    /// The block that holds its voxels.
+    pub block: u32,
+    /// The cube.
+    pub cube: Cube,
+    /// Its voxels in the lattice along each axis.
+    pub extent: [usize; 3],
+    /// Index of its template.
+    pub template: u32,
+    /// Depth of its nearest corner, millimetres.
+    pub nearest_mm: f64,
+}
+
+/// One polygon: a plane through a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// Index of the box.
+    pub slice_box: u32,
+    /// Depth of the plane behind the box's nearest corner, millimetres.
+    pub t_mm: f64,
+}
+
+/// Everything that a sliced frame draws, back to front.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlicePlan {
+    /// From lattice coordinates to the eye frame.
+    pub eye_from_lattice: DAffine3,
+    /// The sampling planes.
+    pub planes: Planes,
+    /// One template for each distinct shape of box.
+    pub templates: Vec<Template>,
+    /// The boxes, back to front.
+    pub boxes: Vec<SliceBox>,
+    /// The slices of all boxes in drawing order: box by box, the farthest plane first.
+    pub slices: Vec<Slice>,
+}
+
+impl SlicePlan {
+    /// Plans the frame that `camera` sees of what `visibility` shows.
+    pub fn new(visibility: &Visibility, camera: &Camera, planes: Planes) -> Self {
+        let lattice = &visibility.target.lattice;
+        let lattice_from_world = lattice.world_from_lattice.inverse();
+        let viewpoint = camera.viewpoint().transformed(&lattice_from_world);
+        let mut planner = Planner {
+            plan: Self {
+                eye_from_lattice: eye_from_lattice(lattice, camera),
+                planes,
+                templates: Vec::new(),
+                boxes: Vec::new(),
+                slices: Vec::new(),
+            },
+            template_ids: HashMap::new(),
+            camera,
+        };
+        for (block, cube) in visibility.cubes_back_to_front(viewpoint) {
+            planner.add(block, cube, cube.extent(lattice.dims));
+        }
+        planner.plan
+    }
+
+    /// The vertices of a slice in lattice coordinates, in order round the polygon.
+    pub fn polygon(&self, slice: &Slice) -> Vec<DVec3> {
+        let b = &self.boxes[slice.slice_box as usize];
+        let bounds = b.cube.bounds(b.extent);
+        let template = &self.templates[b.template as usize];
+        let vertices = template
+            .segment(slice.t_mm)
+            .map_or(&[][..], |s| &s.vertices);
+        vertices
+            .iter()
+            .map(|v| bounds.min + bounds.size() * v.at(slice.t_mm))
+            .collect()
+    }
+}
+
+struct Planner<'a> {
+    plan: SlicePlan,
+    template_ids: HashMap<[usize; 3], u32>,
+    camera: &'a Camera,
+}
+
+impl Planner<'_> {
+    fn add(&mut self, block: u32, cube: Cube, extent: [usize; 3]) {
+        let eye_from_lattice = &self.plan.eye_from_lattice;
+        let corners = cube
+            .bounds(extent)
+            .corners()
+            .map(|c| affine::point(eye_from_lattice, c));
+        let depths = corners.map(|c| c.z);
+        let nearest_mm = depths.iter().copied().fold(f64::INFINITY, f64::min);
+        let farthest_mm = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let visible_from = self.camera.near_mm().max(nearest_mm);
+        let planes = self.plan.planes.between(visible_from, farthest_mm);
+        if planes.is_empty() || !self.in_frame(&corners) {
+            return;
+        }
+        let template = self.template(extent);
+        let slice_box = self.plan.boxes.len() as u32;
+        let global = self.plan.planes;
+        self.plan.slices.extend(planes.rev().map(|k| Slice {
+            slice_box,
+            t_mm: global.depth(k) - nearest_mm,
+        }));
+        self.plan.boxes.push(SliceBox {
+            block,
+            cube,
+            extent,
+            template,
+            nearest_mm,
+        });
+    }
+
+    /// Whether a box with these eye-space corners can touch the frame.
+    fn in_frame(&self, corners: &[DVec3; 8]) -> bool {
+        if corners.iter().any(|c| c.z < self.camera.near_mm()) {
+            return true;
+        }
+        let places = corners.map(|c| self.camera.project(c));
+        (0..2).all(|a| {
+            let size = f64::from(self.camera.size[a]);
+            places.iter().any(|p| p[a] >= 0.0) && places.iter().any(|p| p[a] <= size)
+        })
+    }
+
+    fn template(&mut self, extent: [usize; 3]) -> u32 {
+        let plan = &mut self.plan;
+        *self.template_ids.entry(extent).or_insert_with(|| {
+            let size = DVec3::from_array(extent.map(|n| n as f64));
+            let unit = DMat3::from_diagonal(size);
+            plan.templates
+                .push(Template::new(&(plan.eye_from_lattice.matrix3 * unit)));
+            plan.templates.len() as u32 - 1
+        })
+    }
+}

@@ -1,0 +1,10 @@
+//! From a plan to a frame on a device: the flow's last step, carried out by `gpu`.
+
+mod frame;
+mod pages;
+mod pieces;
+mod slices;
+mod texels;
+
+pub use pages::{Page, PagedTarget, Slot};
+pub use slices::{SliceRenderer, Slices, Timings};

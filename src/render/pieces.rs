@@ -1,0 +1,151 @@
+//! Blocks in pieces small enough to be reconstructed and handed to the device without a copy of the whole.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::texels::{self, Encoding};
+use crate::projection::SoftNormals;
+use crate::target::{Block, BlockVoxels, CELL, CellRanges, Layout, Target};
+
+/// Voxels of a piece, about: large blocks are cut into slabs of this size.
+const PIECE_VOXELS: usize = 1 << 20;
+
+/// A slab of a block, as a block of its own, and where its planes lie among the block's stored planes.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Index of the block.
+    pub index: usize,
+    /// The slab.
+    pub slab: Block,
+    /// First stored plane of the block that this piece fills.
+    pub first_plane: usize,
+    /// The planes it fills, counted from its own first apron plane.
+    pub planes: Range<usize>,
+}
+
+/// What a piece becomes.
+pub struct PieceTexels {
+    /// Value texels.
+    pub values: Vec<u8>,
+    /// Normal texels, if the target is lit.
+    pub normals: Vec<u8>,
+    /// The slab's cells.
+    pub cells: CellRanges,
+}
+
+/// All pieces of a target's blocks, in order.
+pub fn pieces(target: &Target) -> Vec<Piece> {
+    let blocks = target.blocks.iter().enumerate();
+    blocks
+        .flat_map(|(index, block)| cut(index, block))
+        .collect()
+}
+
+fn cut(index: usize, block: &Block) -> Vec<Piece> {
+    if block.layout == Layout::Uniform {
+        return vec![Piece {
+            index,
+            slab: block.clone(),
+            first_plane: 0,
+            planes: 0..UNIFORM_EDGE,
+        }];
+    }
+    let plane = block.extent[0] * block.extent[1];
+    let thickness = (PIECE_VOXELS / plane).next_multiple_of(CELL).max(CELL);
+    let depth = block.extent[2];
+    (0..depth)
+        .step_by(thickness)
+        .map(|z| piece(index, block, z..(z + thickness).min(depth)))
+        .collect()
+}
+
+fn piece(index: usize, block: &Block, z: Range<usize>) -> Piece {
+    let mut slab = block.clone();
+    slab.origin[2] += z.start;
+    slab.extent[2] = z.len();
+    // Only the block's first and last slab fill its apron planes.
+    let begin = if z.start == 0 { 0 } else { Block::APRON };
+    let end = if z.end == block.extent[2] {
+        2 * Block::APRON
+    } else {
+        Block::APRON
+    };
+    Piece {
+        index,
+        slab,
+        first_plane: z.start + begin,
+        planes: begin..z.len() + end,
+    }
+}
+
+/// Edge of the cell that a block of one value fills: two texels, between which filtering finds the same value everywhere.
+pub const UNIFORM_EDGE: usize = 2;
+
+/// Stored texels of a block along each axis.
+pub fn stored_dims(block: &Block) -> [usize; 3] {
+    match block.layout {
+        Layout::Uniform => [UNIFORM_EDGE; 3],
+        Layout::Covered | Layout::Mixed => block.stored_dims(),
+    }
+}
+
+/// Reconstructs pieces side by side.
+pub fn fill(
+    target: &Target,
+    pieces: &[Piece],
+    encoding: Encoding,
+    normals: Option<&SoftNormals>,
+) -> Vec<PieceTexels> {
+    pieces
+        .par_iter()
+        .map(|piece| fill_one(target, piece, encoding, normals))
+        .collect()
+}
+
+fn fill_one(
+    target: &Target,
+    piece: &Piece,
+    encoding: Encoding,
+    normals: Option<&SoftNormals>,
+) -> PieceTexels {
+    let slab = &piece.slab;
+    if slab.layout == Layout::Uniform {
+        return uniform(slab, encoding, normals.is_some());
+    }
+    let apron = if normals.is_some() {
+        Block::REACH
+    } else {
+        Block::APRON
+    };
+    let voxels = BlockVoxels::reconstruct(target, slab, apron);
+    PieceTexels {
+        values: texels::values(encoding, slab, &voxels, piece.planes.clone()),
+        normals: normals.map_or_else(Vec::new, |soft| {
+            let range = target.value_range;
+            texels::normals(
+                soft,
+                range,
+                &target.lattice,
+                slab,
+                &voxels,
+                piece.planes.clone(),
+            )
+        }),
+        cells: CellRanges::new(slab, &voxels),
+    }
+}
+
+fn uniform(block: &Block, encoding: Encoding, lit: bool) -> PieceTexels {
+    const TEXELS: usize = UNIFORM_EDGE * UNIFORM_EDGE * UNIFORM_EDGE;
+    let texel = texels::one(encoding, block.range.value.lo);
+    PieceTexels {
+        values: texel.repeat(TEXELS),
+        normals: if lit {
+            [128, 128, 128, 0].repeat(TEXELS)
+        } else {
+            Vec::new()
+        },
+        cells: CellRanges::uniform(block),
+    }
+}

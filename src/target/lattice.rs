@@ -1,0 +1,210 @@
+//! The target lattice: where the model is sampled.
+//!
+//! *Practice.* A model whose volumes all lie on one lattice is sampled on that lattice, so its voxels are copied and not
+//! interpolated; any other model gets an axis-aligned lattice in the world at the finest leaf's spacing. The lattice fills
+//! the model's box. Beyond its outermost voxels the target is constant, so a face that is not a volume's own gets one more
+//! layer of voxels, which is empty.
+
+use glam::{DAffine3, DVec3};
+
+use crate::math::{Aabb, affine};
+use crate::model::{Model, Source, Tree};
+
+/// A regular lattice in the world; voxel `(i, j, k)` has its centre at lattice point `(i, j, k)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// Voxels along each axis, at least 1.
+    pub dims: [usize; 3],
+    /// From lattice coordinates to world millimetres.
+    pub world_from_lattice: DAffine3,
+}
+
+/// Why a model has no lattice.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LatticeError {
+    /// Nothing to sample.
+    #[error("the model is empty: no volume or primitive is left of it")]
+    Empty,
+    /// Infinite extent.
+    #[error("the model is unbounded: intersect its half-spaces with a volume, a box or a sphere")]
+    Unbounded,
+    /// A spacing that cannot be.
+    #[error("a spacing of {0} mm is not possible; it must be above 0")]
+    Spacing(f64),
+    /// More voxels along an axis than can be counted exactly.
+    #[error(
+        "{voxels:.0} voxels along an axis at a spacing of {spacing_mm} mm; the limit is {}: use a larger spacing",
+        Lattice::MAX_DIM
+    )]
+    TooFine {
+        /// Voxels along the longest axis.
+        voxels: f64,
+        /// The spacing asked for.
+        spacing_mm: f64,
+    },
+}
+
+impl Lattice {
+    /// The most voxels along an axis.
+    pub const MAX_DIM: usize = 1 << 16;
+
+    /// Voxels along the longest axis of a model that has no volume to take a spacing from.
+    const DEFAULT_DIM: f64 = 256.0;
+
+    /// A volume's lattice serves a whole scene only while its spacings differ by no more than this.
+    const MAX_ANISOTROPY: f64 = 2.5;
+
+    /// The lattice of `model`: axis-aligned at `spacing_mm` when that is given, else as the module head says.
+    ///
+    /// # Errors
+    /// If the model is empty or unbounded, or the spacing impossible.
+    pub fn of_model(
+        model: &Model,
+        tree: &Tree,
+        spacing_mm: Option<f64>,
+    ) -> Result<Self, LatticeError> {
+        let root = model.root().ok_or(LatticeError::Empty)?;
+        let bounds = model.bounds()[root.index()];
+        if bounds.is_empty() {
+            return Err(LatticeError::Empty);
+        }
+        if !bounds.is_finite() {
+            return Err(LatticeError::Unbounded);
+        }
+        match (spacing_mm, common_lattice(tree)) {
+            (Some(spacing), _) => Self::axis_aligned(&bounds, spacing),
+            (None, Some(volume)) if volume.serves(tree) => volume.filling(&bounds),
+            (None, _) => Self::axis_aligned(&bounds, finest_spacing(tree, &bounds)),
+        }
+    }
+
+    /// An axis-aligned lattice of isotropic spacing over `bounds` and one voxel round it.
+    ///
+    /// # Errors
+    /// If the spacing is not above 0 or gives too many voxels.
+    pub fn axis_aligned(bounds: &Aabb, spacing_mm: f64) -> Result<Self, LatticeError> {
+        if !(spacing_mm.is_finite() && spacing_mm > 0.0) {
+            return Err(LatticeError::Spacing(spacing_mm));
+        }
+        let cells = (bounds.size() / spacing_mm - 1e-9).ceil().max(DVec3::ONE);
+        let voxels = cells.max_element() + 2.0;
+        if voxels > Self::MAX_DIM as f64 {
+            return Err(LatticeError::TooFine { voxels, spacing_mm });
+        }
+        // The cells are centred on the box; voxel 0 is the layer before them.
+        let first = bounds.center() - (cells + 1.0) * (0.5 * spacing_mm);
+        Ok(Self {
+            dims: cells.to_array().map(|n| n as usize + 2),
+            world_from_lattice: DAffine3 {
+                matrix3: glam::DMat3::from_diagonal(DVec3::splat(spacing_mm)),
+                translation: first,
+            },
+        })
+    }
+
+    /// The box of all voxels' cells, in lattice coordinates.
+    pub fn bounds(&self) -> Aabb {
+        let n = DVec3::from_array(self.dims.map(|n| n as f64));
+        Aabb::new(DVec3::splat(-0.5), n - 0.5)
+    }
+
+    /// The world box of all voxels' cells.
+    pub fn world_bounds(&self) -> Aabb {
+        self.bounds().transformed(&self.world_from_lattice)
+    }
+
+    /// Distance between neighbouring voxels along each lattice axis, millimetres.
+    pub fn spacing_mm(&self) -> DVec3 {
+        affine::spacing(&self.world_from_lattice)
+    }
+
+    /// Voxels in all.
+    pub fn len(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    /// Whether it has no voxel; never, for a lattice made here.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The lattice of a volume leaf in the world.
+struct VolumeLattice {
+    bounds: Aabb,
+    world_from_index: DAffine3,
+}
+
+/// The lattice that all volume leaves share, if there is one.
+fn common_lattice(tree: &Tree) -> Option<VolumeLattice> {
+    let mut volumes = tree
+        .leaves()
+        .iter()
+        .filter(|leaf| matches!(leaf.source, Source::Volume(_)));
+    let first = volumes.next()?;
+    let same = |leaf: &crate::model::Leaf| {
+        leaf.local_from_frame
+            .abs_diff_eq(first.local_from_frame, 1e-9)
+    };
+    volumes.all(same).then(|| VolumeLattice {
+        bounds: first.local_bounds,
+        world_from_index: first.local_from_frame.inverse(),
+    })
+}
+
+impl VolumeLattice {
+    fn serves(&self, tree: &Tree) -> bool {
+        let spacing = affine::spacing(&self.world_from_index);
+        let alone = tree.leaves().len() == 1;
+        alone || spacing.max_element() <= Lattice::MAX_ANISOTROPY * spacing.min_element()
+    }
+
+    /// This lattice extended or cropped to the world box `bounds`.
+    fn filling(&self, bounds: &Aabb) -> Result<Lattice, LatticeError> {
+        let wanted = bounds.transformed(&self.world_from_index.inverse());
+        let beyond = |face: f64, own: f64| if (face - own).abs() < 1e-6 { 0.0 } else { 1.0 };
+        let mut first = DVec3::ZERO;
+        let mut dims = [0; 3];
+        for axis in 0..3 {
+            let own = (self.bounds.min[axis], self.bounds.max[axis]);
+            let (min, max) = if self.within(&wanted, axis) {
+                (wanted.min[axis].max(own.0), wanted.max[axis].min(own.1))
+            } else {
+                (wanted.min[axis], wanted.max[axis])
+            };
+            first[axis] = (min + 0.5 + 1e-6).floor() - beyond(min, own.0);
+            let last = (max - 0.5 - 1e-6).ceil() + beyond(max, own.1);
+            let voxels = last - first[axis] + 1.0;
+            if voxels > Lattice::MAX_DIM as f64 {
+                let spacing_mm = affine::spacing(&self.world_from_index)[axis];
+                return Err(LatticeError::TooFine { voxels, spacing_mm });
+            }
+            dims[axis] = voxels.max(1.0) as usize;
+        }
+        Ok(Lattice {
+            dims,
+            world_from_lattice: self.world_from_index * DAffine3::from_translation(first),
+        })
+    }
+
+    /// Whether the wanted box stays within the volume's on `axis`, but for rounding and the slack of a moved box.
+    fn within(&self, wanted: &Aabb, axis: usize) -> bool {
+        wanted.min[axis] >= self.bounds.min[axis] - 1e-6
+            && wanted.max[axis] <= self.bounds.max[axis] + 1e-6
+    }
+}
+
+fn finest_spacing(tree: &Tree, bounds: &Aabb) -> f64 {
+    let finest = tree
+        .leaves()
+        .iter()
+        .filter(|leaf| matches!(leaf.source, Source::Volume(_)))
+        .map(|leaf| affine::spacing(&leaf.local_from_frame.inverse()).min_element())
+        .fold(f64::INFINITY, f64::min);
+    if finest.is_finite() {
+        finest
+    } else {
+        bounds.size().max_element() / Lattice::DEFAULT_DIM
+    }
+}

@@ -1,0 +1,17 @@
+//! The target: a lattice, its octree of blocks, and what each block holds (VCSG §3.1–3.2).
+
+mod block;
+mod cells;
+mod lattice;
+mod octree;
+mod order;
+mod reconstruct;
+mod voxels;
+
+pub use block::{Block, Layout};
+pub use cells::{CELL, CellRanges};
+pub use lattice::{Lattice, LatticeError};
+pub use octree::{Octree, OctreeNode, Subdivision, Target, TargetError};
+pub use order::{Cube, octants_back_to_front};
+pub use reconstruct::RowEvaluator;
+pub use voxels::{BlockVoxels, VoxelTarget};

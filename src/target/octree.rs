@@ -1,0 +1,416 @@
+//! Subdivision of the target into blocks, each with its optimal path (VCSG §3.1).
+//!
+//! *Theory.* A block that the boundary of a node's box crosses is split in eight, down to a smallest size; each part goes on
+//! from its parent's path. A block that no boundary crosses has its optimal path and is not split further.
+//! *Changes from the paper.* Blocks are also split where their coverage is not known to be one number, so that what a value
+//! window leaves empty is skipped. Eight parts that turn out alike are one block again: neighbours with one path draw as one.
+//! Blocks are no larger than a texture can be.
+//! *Practice.* The octants of large nodes are tested in parallel; the result does not depend on it.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+
+use super::{Block, Cube, Lattice, Layout};
+use crate::math::{Aabb, Interval};
+use crate::model::{Boundary, Model, Pruned, Step, Tree};
+use crate::volume::SampleRange;
+
+/// How the target is subdivided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Subdivision {
+    /// Edge of the smallest blocks in voxels, a power of two.
+    pub min_block: usize,
+    /// Edge of the largest blocks in voxels, a power of two.
+    pub max_block: usize,
+    /// What happens at boundaries that cross a smallest block.
+    pub boundary: Boundary,
+    /// The most bytes that blocks may take as textures.
+    pub budget_bytes: usize,
+}
+
+impl Default for Subdivision {
+    fn default() -> Self {
+        Self {
+            min_block: 32,
+            max_block: 512,
+            boundary: Boundary::Exact,
+            budget_bytes: 4 << 30,
+        }
+    }
+}
+
+/// A node of the target octree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OctreeNode {
+    /// Nothing is there.
+    Empty,
+    /// The block of this index.
+    Block(u32),
+    /// Eight octants, from this node index on, in the order of [`Cube::octant`].
+    Split(u32),
+}
+
+/// The target octree; node 0 is the root.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Octree {
+    /// The cube of the root, which holds the lattice.
+    pub root: Cube,
+    /// All nodes.
+    pub nodes: Vec<OctreeNode>,
+}
+
+/// A subdivided model, ready to be reconstructed block by block.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Where voxels are.
+    pub lattice: Lattice,
+    /// The model, flattened in lattice coordinates.
+    pub tree: Tree,
+    /// The subdivision.
+    pub octree: Octree,
+    /// The blocks that hold something, in octree order.
+    pub blocks: Vec<Block>,
+    /// The distinct paths.
+    pub paths: Vec<Vec<Step>>,
+    /// A range that holds every block's values.
+    pub value_range: Interval,
+}
+
+/// Why a target cannot be built.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TargetError {
+    /// The model has no lattice.
+    #[error(transparent)]
+    Lattice(#[from] super::LatticeError),
+    /// The model cannot be flattened.
+    #[error(transparent)]
+    Tree(#[from] crate::model::TreeError),
+    /// Too many blocks.
+    #[error(
+        "the target needs more than {needed_mib} MiB of blocks at a spacing of {spacing_mm:.4} mm, and the budget is \
+         {budget_mib} MiB: raise the budget, use a larger spacing, or allow coarsening"
+    )]
+    OverBudget {
+        /// What the blocks that were counted before stopping take.
+        needed_mib: usize,
+        /// What they may take.
+        budget_mib: usize,
+        /// The lattice's smallest spacing.
+        spacing_mm: f64,
+    },
+}
+
+impl Target {
+    /// Samples `model` on its lattice, or axis-aligned at `spacing_mm`.
+    ///
+    /// # Errors
+    /// If the model has no lattice, cannot be flattened, or its blocks exceed the budget.
+    pub fn build(
+        model: &Model,
+        spacing_mm: Option<f64>,
+        subdivision: &Subdivision,
+    ) -> Result<Self, TargetError> {
+        let world_tree = Tree::new(model, &DAffine3::IDENTITY)?;
+        let lattice = Lattice::of_model(model, &world_tree, spacing_mm)?;
+        Self::on_lattice(model, lattice, subdivision)
+    }
+
+    /// Like [`Self::build`], with the spacing coarsened until the blocks fit the budget.
+    ///
+    /// # Errors
+    /// As [`Self::build`], but for the budget.
+    pub fn build_coarsened(
+        model: &Model,
+        spacing_mm: Option<f64>,
+        subdivision: &Subdivision,
+    ) -> Result<Self, TargetError> {
+        let mut spacing = spacing_mm;
+        loop {
+            match Self::build(model, spacing, subdivision) {
+                Err(TargetError::OverBudget { spacing_mm, .. }) => {
+                    spacing = Some(spacing_mm * 2f64.cbrt());
+                }
+                result => return result,
+            }
+        }
+    }
+
+    /// Samples `model` on a given lattice.
+    ///
+    /// # Errors
+    /// If the model cannot be flattened, or its blocks exceed the budget.
+    pub fn on_lattice(
+        model: &Model,
+        lattice: Lattice,
+        subdivision: &Subdivision,
+    ) -> Result<Self, TargetError> {
+        let tree = Tree::new(model, &lattice.world_from_lattice)?;
+        let longest = lattice.dims.iter().copied().max().unwrap_or(1);
+        let root = Cube {
+            origin: [0; 3],
+            size: longest.next_power_of_two().max(subdivision.min_block),
+        };
+        let splitter = Splitter {
+            tree: &tree,
+            lattice: &lattice,
+            subdivision,
+            bytes: AtomicUsize::new(0),
+        };
+        let subtree = splitter.split(root, tree.steps());
+        splitter.check_budget()?;
+        let mut flat = Flattener::default();
+        flat.nodes.push(OctreeNode::Empty);
+        flat.place(subtree, 0, lattice.dims);
+        let value_range = flat.blocks.iter().fold(Interval::EMPTY, |range, block| {
+            range.hull(block.range.value)
+        });
+        Ok(Self {
+            octree: Octree {
+                root,
+                nodes: flat.nodes,
+            },
+            blocks: flat.blocks,
+            paths: flat.paths,
+            value_range,
+            lattice,
+            tree,
+        })
+    }
+
+    /// The steps of a block's path.
+    pub fn path(&self, block: &Block) -> &[Step] {
+        &self.paths[block.path as usize]
+    }
+}
+
+/// A subtree of the octree while it is built.
+enum Subtree {
+    /// Outside the lattice.
+    Beyond,
+    Empty,
+    Block(Box<Candidate>),
+    Split(Box<[Subtree; 8]>),
+}
+
+/// A block with its path written out.
+struct Candidate {
+    cube: Cube,
+    pruned: Pruned,
+    layout: Layout,
+}
+
+struct Splitter<'a> {
+    tree: &'a Tree,
+    lattice: &'a Lattice,
+    subdivision: &'a Subdivision,
+    bytes: AtomicUsize,
+}
+
+impl Splitter<'_> {
+    /// From this edge on octants are tested in parallel.
+    const PARALLEL: usize = 128;
+
+    fn split(&self, cube: Cube, path: &[Step]) -> Subtree {
+        let extent = cube.extent(self.lattice.dims);
+        if extent.contains(&0) {
+            return Subtree::Beyond;
+        }
+        if self.over_budget() {
+            return Subtree::Empty;
+        }
+        let smallest = cube.size <= self.subdivision.min_block;
+        let crossing = if smallest {
+            self.subdivision.boundary
+        } else {
+            Boundary::Exact
+        };
+        let pruned = self.tree.prune(path, &self.reach(&cube, extent), crossing);
+        if pruned.steps.is_empty() {
+            return Subtree::Empty;
+        }
+        let too_large = cube.size > self.subdivision.max_block;
+        if !too_large && (smallest || !pruned.undecided) {
+            return self.block(cube, pruned);
+        }
+        let octants = self.split_octants(&cube, &pruned.steps);
+        if too_large {
+            return Subtree::Split(Box::new(octants));
+        }
+        self.merge(cube, octants)
+    }
+
+    fn split_octants(&self, cube: &Cube, path: &[Step]) -> [Subtree; 8] {
+        let octant = |i: usize| self.split(cube.octant(i), path);
+        if cube.size < Self::PARALLEL {
+            return std::array::from_fn(octant);
+        }
+        let octants: Vec<Subtree> = (0..8).into_par_iter().map(octant).collect();
+        octants
+            .try_into()
+            .unwrap_or_else(|_| unreachable!("eight octants"))
+    }
+
+    /// The voxel centres that the block's picture can depend on, as a box of the lattice.
+    fn reach(&self, cube: &Cube, extent: [usize; 3]) -> Aabb {
+        let last = DVec3::from_array(self.lattice.dims.map(|n| n as f64)) - 1.0;
+        let cells = cube.bounds(extent);
+        // From cell faces to voxel centres is half a voxel inwards.
+        let centres = cells.expand(DVec3::splat(Block::REACH as f64 - 0.5));
+        Aabb::new(centres.min.max(DVec3::ZERO), centres.max.min(last))
+    }
+
+    fn block(&self, cube: Cube, pruned: Pruned) -> Subtree {
+        let layout = if pruned.range.coverage.lo < 1.0 {
+            Layout::Mixed
+        } else if pruned.range.value.is_point() {
+            Layout::Uniform
+        } else {
+            Layout::Covered
+        };
+        let candidate = Candidate {
+            cube,
+            pruned,
+            layout,
+        };
+        self.bytes
+            .fetch_add(candidate.bytes(self.lattice), Ordering::Relaxed);
+        Subtree::Block(Box::new(candidate))
+    }
+
+    /// One block instead of eight that are alike, beyond the lattice excepted.
+    fn merge(&self, cube: Cube, octants: [Subtree; 8]) -> Subtree {
+        let mut range: Option<SampleRange> = None;
+        let mut first: Option<&Candidate> = None;
+        for octant in &octants {
+            match octant {
+                Subtree::Beyond => {}
+                Subtree::Block(c) if first.is_none_or(|f| f.like(c)) => {
+                    first = first.or(Some(c));
+                    range = Some(range.map_or(c.pruned.range, |r| SampleRange {
+                        value: r.value.hull(c.pruned.range.value),
+                        coverage: r.coverage.hull(c.pruned.range.coverage),
+                    }));
+                }
+                _ => return Subtree::Split(Box::new(octants)),
+            }
+        }
+        let (Some(first), Some(range)) = (first, range) else {
+            return Subtree::Empty;
+        };
+        let merged = Candidate {
+            cube,
+            layout: first.layout,
+            pruned: Pruned {
+                steps: first.pruned.steps.clone(),
+                range,
+                undecided: true,
+            },
+        };
+        let parts: usize = octants.iter().map(|o| o.bytes(self.lattice)).sum();
+        self.bytes.fetch_sub(parts, Ordering::Relaxed);
+        self.bytes
+            .fetch_add(merged.bytes(self.lattice), Ordering::Relaxed);
+        Subtree::Block(Box::new(merged))
+    }
+
+    fn over_budget(&self) -> bool {
+        self.bytes.load(Ordering::Relaxed) > self.subdivision.budget_bytes
+    }
+
+    fn check_budget(&self) -> Result<(), TargetError> {
+        if !self.over_budget() {
+            return Ok(());
+        }
+        Err(TargetError::OverBudget {
+            needed_mib: self.bytes.load(Ordering::Relaxed) >> 20,
+            budget_mib: self.subdivision.budget_bytes >> 20,
+            spacing_mm: self.lattice.spacing_mm().min_element(),
+        })
+    }
+}
+
+impl Subtree {
+    fn bytes(&self, lattice: &Lattice) -> usize {
+        match self {
+            Self::Block(c) => c.bytes(lattice),
+            _ => 0,
+        }
+    }
+}
+
+impl Candidate {
+    fn like(&self, other: &Self) -> bool {
+        self.layout == other.layout
+            && self.pruned.steps == other.pruned.steps
+            && (self.layout != Layout::Uniform || self.pruned.range == other.pruned.range)
+    }
+
+    /// Texture bytes: 16 bits a channel, and four bytes of normal.
+    fn bytes(&self, lattice: &Lattice) -> usize {
+        let voxels: usize = self
+            .cube
+            .extent(lattice.dims)
+            .iter()
+            .map(|n| n + 2 * Block::APRON)
+            .product();
+        match self.layout {
+            Layout::Covered => voxels * 6,
+            Layout::Mixed => voxels * 8,
+            Layout::Uniform => 6,
+        }
+    }
+
+    fn into_block(self, dims: [usize; 3], path: u32) -> Block {
+        Block {
+            origin: self.cube.origin,
+            size: self.cube.size,
+            extent: self.cube.extent(dims),
+            path,
+            layout: self.layout,
+            range: self.pruned.range,
+        }
+    }
+}
+
+#[derive(Default)]
+struct Flattener {
+    nodes: Vec<OctreeNode>,
+    blocks: Vec<Block>,
+    paths: Vec<Vec<Step>>,
+    path_ids: HashMap<Vec<Step>, u32>,
+}
+
+impl Flattener {
+    fn place(&mut self, subtree: Subtree, at: usize, dims: [usize; 3]) {
+        self.nodes[at] = match subtree {
+            Subtree::Beyond | Subtree::Empty => OctreeNode::Empty,
+            Subtree::Block(candidate) => {
+                let path = self.intern(&candidate.pruned.steps);
+                self.blocks.push(candidate.into_block(dims, path));
+                OctreeNode::Block(self.blocks.len() as u32 - 1)
+            }
+            Subtree::Split(octants) => {
+                let first = self.nodes.len();
+                self.nodes.extend([OctreeNode::Empty; 8]);
+                for (i, octant) in octants.into_iter().enumerate() {
+                    self.place(octant, first + i, dims);
+                }
+                OctreeNode::Split(first as u32)
+            }
+        };
+    }
+
+    fn intern(&mut self, steps: &[Step]) -> u32 {
+        if let Some(&id) = self.path_ids.get(steps) {
+            return id;
+        }
+        let id = self.paths.len() as u32;
+        self.paths.push(steps.to_vec());
+        self.path_ids.insert(steps.to_vec(), id);
+        id
+    }
+}

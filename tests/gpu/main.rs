@@ -1,0 +1,9 @@
+//! The `gpu` module on the device at hand, under the validation layer: any message fails a test.
+
+mod bounds;
+mod copies;
+mod devices;
+mod draws;
+mod mixing;
+mod order;
+mod support;
