@@ -49,7 +49,8 @@ def head():
     if not packed.exists():
         sys.exit(f"{packed} is missing: run make setup")
     voxels = np.frombuffer(gzip.decompress(packed.read_bytes())[352:], np.uint8)
-    source = image_from_array(voxels.reshape(181, 217, 181))
+    # NIfTI counts to the right and to the front, LPS to the left and to the back.
+    source = image_from_array(voxels.reshape(181, 217, 181)[:, ::-1, ::-1])
     reslice = vtkImageReslice()
     reslice.SetInputData(source)
     reslice.SetInterpolationModeToLinear()
