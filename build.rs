@@ -8,8 +8,14 @@ mod interface;
 
 fn main() {
     println!("cargo::rerun-if-changed=src/interface.rs");
-    let result = compile_folder("shaders", "shaders.rs")
-        .and_then(|()| compile_folder("tests/shaders", "test_shaders.rs"));
+    let folders = [
+        ("shaders", "shaders.rs"),
+        ("tests/shaders", "test_shaders.rs"),
+        ("benches/shaders", "bench_shaders.rs"),
+    ];
+    let result = folders
+        .into_iter()
+        .try_for_each(|(folder, module)| compile_folder(folder, module));
     if let Err(text) = result {
         text.lines()
             .for_each(|line| println!("cargo::error={line}"));

@@ -92,9 +92,16 @@ fn instances_take_their_element_and_their_number() {
             ..PipelineDesc::default()
         };
         let pipeline = GraphicsPipeline::new(device, &desc).expect("a pipeline");
-        let pixels: Vec<[f32; 4]> = (0..9u8)
-            .map(|number| [0.0, 0.0, f32::from(number % 8), f32::from(number / 2)])
-            .collect();
+        let pixel = |element: u8| (element % 8, element / 2);
+        let element = |number| {
+            [
+                0.0,
+                0.0,
+                f32::from(pixel(number).0),
+                f32::from(pixel(number).1),
+            ]
+        };
+        let pixels: Vec<[f32; 4]> = (0..9).map(element).collect();
         let buffer = Buffer::with_data(device, "pixels", &pixels).expect("a buffer");
         let indices =
             Buffer::with_data(device, "indices", &[9u32, 9, 0, 1, 2, 2, 1, 3]).expect("a buffer");
@@ -115,9 +122,10 @@ fn instances_take_their_element_and_their_number() {
         recording.render(pass(&target, Load::Clear([0.0; 4]), vec![draw]));
         let mut expected = vec![0.0f32; 64];
         // The stream starts one element late, and instance numbers start at 2.
-        (2..8u8).for_each(|number| {
-            expected[usize::from((number + 1) % 8 + 8 * ((number + 1) / 2))] = f32::from(number);
-        });
+        for number in 2..8 {
+            let (x, y) = pixel(number + 1);
+            expected[usize::from(x + 8 * y)] = f32::from(number);
+        }
         let seen = texels_after::<[f32; 4]>(device, &recording, &target);
         assert_eq!(
             seen.iter().map(|color| color[0]).collect::<Vec<_>>(),
