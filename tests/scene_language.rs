@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::{DAffine3, DVec3};
 use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Combine, Family, Node, Shape, ValueMap, ValueRule};
+use vcsg::model::{BooleanOp, Boundary, Combine, Family, Node, Shape, ValueMap, ValueRule};
 use vcsg::projection::{Mode, Projection};
-use vcsg::scene::{Boundary, NoVolumes, Problem, Scene, SceneError, TransferChoice};
+use vcsg::scene::{NoVolumes, Problem, Scene, SceneError, TransferChoice};
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse("test.kdl", text, Path::new("."), &mut NoVolumes)
@@ -227,13 +227,10 @@ render mode="mip" samples-per-voxel=2 size="640x480"
 "##,
     )
     .unwrap();
-    assert_eq!(scene.lattice.spacing_mm, Some(0.5));
+    assert_eq!(scene.target.spacing_mm, Some(0.5));
+    assert_eq!((scene.target.budget_mib, scene.target.coarsen), (64, true));
     assert_eq!(
-        (scene.lattice.budget_mib, scene.lattice.coarsen),
-        (64, true)
-    );
-    assert_eq!(
-        (scene.lattice.boundary, scene.lattice.min_block),
+        (scene.target.boundary, scene.target.min_block),
         (Boundary::Centre, Some(8))
     );
     assert_eq!(

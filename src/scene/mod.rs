@@ -25,10 +25,10 @@ mod error;
 mod file;
 mod grammar;
 mod guard;
-mod lattice;
 mod leaves;
 mod loader;
 mod maps;
+mod options;
 mod source;
 mod suggest;
 mod transfer;
@@ -41,8 +41,8 @@ pub use appearance::{MODES, parse_size};
 pub use edit::with_property;
 pub use error::{Problem, SceneError};
 pub use guard::{MAX_BYTES, MAX_DEPTH};
-pub use lattice::{Boundary, Lattice};
-pub use loader::{NoVolumes, RawLayout, RawVoxel, VolumeLoader, VolumeRequest};
+pub use loader::{NoVolumes, VolumeFiles, VolumeLoader, VolumeRequest};
+pub use options::TargetOptions;
 pub use source::Source;
 pub use transfer::{TransferChoice, TransferSpec};
 
@@ -57,8 +57,8 @@ use tree::{TreeBuilder, scene_element};
 pub struct Scene {
     /// The VCSG tree, in world millimetres (LPS).
     pub model: Model,
-    /// How the target lattice is chosen.
-    pub lattice: Lattice,
+    /// How its target is built.
+    pub target: TargetOptions,
     /// The transfer function; one that suits the data when `None`.
     pub transfer: Option<TransferSpec>,
     /// Where it is seen from.
@@ -112,16 +112,8 @@ impl Scene {
             path: path.to_owned(),
             raw: None,
         };
-        let bricks = loader.load(&request).map_err(|reason| {
-            let path = request.path.clone();
-            SceneError::of_file(
-                &path.to_string_lossy(),
-                Problem::Volume {
-                    path: path.clone(),
-                    reason,
-                },
-            )
-        })?;
+        let fails = |reason| SceneError::of_file(&path.to_string_lossy(), Problem::Volume(reason));
+        let bricks = loader.load(&request).map_err(fails)?;
         let mut model = Model::default();
         model.push(Node::Volume(VolumeLeaf {
             bricks,
@@ -143,10 +135,7 @@ impl Scene {
     /// # Errors
     /// Those of [`Scene::load`] and [`Scene::of_volume`].
     pub fn open(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
-        let is_scene = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("kdl"));
-        if is_scene {
+        if is_scene_file(path) {
             Self::load(path, loader)
         } else {
             Self::of_volume(path, loader)
@@ -163,7 +152,7 @@ impl Scene {
     fn assembled(model: Model, appearance: Appearance, source: Source) -> Self {
         Self {
             model,
-            lattice: appearance.lattice,
+            target: appearance.target,
             transfer: appearance.transfer,
             view: appearance.view,
             settings: appearance.settings,
@@ -191,4 +180,10 @@ impl Scene {
     pub fn source(&self) -> &Source {
         &self.source
     }
+}
+
+/// Whether `path` is named like a scene file: it ends in `.kdl`.
+pub fn is_scene_file(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("kdl"))
 }
