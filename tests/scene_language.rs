@@ -5,8 +5,9 @@ use std::path::Path;
 use glam::{DAffine3, DVec3};
 use vcsg::math::{Aabb, Interval};
 use vcsg::model::{BooleanOp, Boundary, Combine, Family, Node, Shape, ValueMap, ValueRule};
+use vcsg::projection::presets::{self, DataStatistics};
 use vcsg::projection::{Mode, Projection};
-use vcsg::scene::{NoVolumes, Problem, Scene, SceneError, TransferChoice};
+use vcsg::scene::{NoVolumes, Problem, Scene, SceneError, TransferChoice, TransferSpec};
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse("test.kdl", text, Path::new("."), &mut NoVolumes)
@@ -596,4 +597,19 @@ fn a_misspelt_name_is_answered_with_the_right_one_and_the_line() {
     for part in ["shpere radius=1", "did you mean `sphere`?", "test.kdl:2:5"] {
         assert!(shown.contains(part), "{shown}");
     }
+}
+
+#[test]
+fn a_target_is_known_by_its_covered_values_only() {
+    let scene = parse(
+        "scene spacing=1 { box min=\"0 0 0\" max=\"40 40 40\" value=-1000; box min=\"60 0 0\" max=\"70 40 40\" value=500 }",
+    );
+    let scene = scene.unwrap();
+    let target = scene.target.build(&scene.model).unwrap();
+    let data = DataStatistics::of_target(&target).unwrap();
+    assert_eq!((data.min, data.max), (-1000.0, 500.0));
+    assert_eq!((data.low, data.high), (-1000.0, 500.0));
+    let function = TransferSpec::AUTOMATIC.function(&data, 100.0);
+    let ct = presets::named("ct-muscle-bone").unwrap();
+    assert_eq!(function, ct.transfer_function(ct.range(), 1.0));
 }

@@ -48,7 +48,7 @@ pub use transfer::{TransferChoice, TransferSpec};
 
 use crate::math::Interval;
 use crate::model::{Model, Node, VolumeLeaf};
-use crate::projection::{Settings, View};
+use crate::projection::{Projection, Settings, View};
 use appearance::Appearance;
 use tree::{TreeBuilder, scene_element};
 
@@ -119,16 +119,22 @@ impl Scene {
             bricks,
             window: Interval::ALL,
         }));
-        let text = format!(
-            "scene {{\n    volume {}\n}}\n",
-            kdl::KdlValue::from(path.to_string_lossy().into_owned())
-        );
-        Ok(Self::assembled(
-            model,
-            Appearance::default(),
-            Source::new("scene.kdl", text),
-        ))
+        let name = kdl::KdlValue::from(path.to_string_lossy().into_owned());
+        let source = Source::new("scene.kdl", format!("scene {{\n    volume {name}\n}}\n"));
+        let mut scene = Self::assembled(model, Appearance::default(), source);
+        scene.set_view(Self::BARE_VIEW)?;
+        Ok(scene)
     }
+
+    /// How a bare volume is seen: from the front, a little from the left and above.
+    const BARE_VIEW: View = View {
+        azimuth_deg: 30.0,
+        elevation_deg: 15.0,
+        roll_deg: 0.0,
+        zoom: 1.2,
+        focus: None,
+        projection: Projection::Orthographic,
+    };
 
     /// The scene at `path`: a scene file if it ends in `.kdl`, else a bare volume.
     ///
