@@ -210,6 +210,101 @@ fn a_bare_volume_renders_with_no_further_options() {
     assert!(folder.path().join("v.png").exists());
 }
 
+/// Arguments, and a part of the message that they are answered with.
+const MISTAKES: &[(&[&str], &str)] = &[
+    (&["info", "missing.nrrd"], "missing.nrrd"),
+    (&["info", "missing.kdl"], "missing.kdl"),
+    (&["info", "short.nrrd"], "short.nrrd"),
+    (&["info", "words.txt"], "words.txt"),
+    (
+        &["render", "typo.kdl", "-o", "a.png"],
+        "typo.kdl:2:3: unknown node `shpere`",
+    ),
+    (
+        &["render", "typo.kdl", "-o", "a.png"],
+        "did you mean `sphere`?",
+    ),
+    (&["render", "scene.kdl", "-o", "a.jpeg"], "a.jpeg"),
+    (
+        &[
+            "render",
+            "scene.kdl",
+            "-o",
+            "none/a.png",
+            "--renderer",
+            "reference",
+            "--size",
+            "8x8",
+        ],
+        "none/a.png",
+    ),
+    (
+        &["render", "scene.kdl", "-o", "a.png", "--preset", "ct-bnoe"],
+        "ct-bone",
+    ),
+    (
+        &[
+            "render",
+            "scene.kdl",
+            "-o",
+            "a.png",
+            "--window",
+            "5",
+            "--level",
+            "3",
+        ],
+        "--preset",
+    ),
+    (
+        &["render", "scene.kdl", "-o", "a.png", "--window", "5"],
+        "--level",
+    ),
+    (
+        &["render", "scene.kdl", "-o", "a.png", "--zoom", "0"],
+        "--zoom",
+    ),
+    (
+        &["render", "scene.kdl", "-o", "a.png", "--size", "0x9"],
+        "1024x768",
+    ),
+    (
+        &[
+            "render",
+            "scene.kdl",
+            "-o",
+            "a.png",
+            "--device",
+            "no such device",
+        ],
+        "no such device",
+    ),
+    (
+        &[
+            "render",
+            "huge.kdl",
+            "-o",
+            "a.png",
+            "--renderer",
+            "reference",
+        ],
+        "budget is 1 MiB",
+    ),
+    (
+        &[
+            "render",
+            "open.kdl",
+            "-o",
+            "a.png",
+            "--renderer",
+            "reference",
+        ],
+        "",
+    ),
+    (&["bake", "scene.kdl", "-o", "a.vtk"], ".nrrd"),
+    (&["bake", "scene.kdl", "-o", "none/a.nrrd"], "none/a.nrrd"),
+    (&["paint"], "paint"),
+];
+
 #[test]
 fn every_mistake_has_one_clear_message() {
     let folder = folder();
@@ -222,99 +317,7 @@ fn every_mistake_has_one_clear_message() {
     write("open.kdl", "scene { half-space normal=\"0 0 1\" }");
     write("short.nrrd", &VOLUME.replace(" 23", ""));
     write("words.txt", "no volume");
-    for (arguments, part) in [
-        (&["info", "missing.nrrd"][..], "missing.nrrd"),
-        (&["info", "missing.kdl"], "missing.kdl"),
-        (&["info", "short.nrrd"], "short.nrrd"),
-        (&["info", "words.txt"], "words.txt"),
-        (
-            &["render", "typo.kdl", "-o", "a.png"],
-            "typo.kdl:2:3: unknown node `shpere`",
-        ),
-        (
-            &["render", "typo.kdl", "-o", "a.png"],
-            "did you mean `sphere`?",
-        ),
-        (&["render", "scene.kdl", "-o", "a.jpeg"], "a.jpeg"),
-        (
-            &[
-                "render",
-                "scene.kdl",
-                "-o",
-                "none/a.png",
-                "--renderer",
-                "reference",
-                "--size",
-                "8x8",
-            ],
-            "none/a.png",
-        ),
-        (
-            &["render", "scene.kdl", "-o", "a.png", "--preset", "ct-bnoe"],
-            "ct-bone",
-        ),
-        (
-            &[
-                "render",
-                "scene.kdl",
-                "-o",
-                "a.png",
-                "--window",
-                "5",
-                "--level",
-                "3",
-            ],
-            "--preset",
-        ),
-        (
-            &["render", "scene.kdl", "-o", "a.png", "--window", "5"],
-            "--level",
-        ),
-        (
-            &["render", "scene.kdl", "-o", "a.png", "--zoom", "0"],
-            "--zoom",
-        ),
-        (
-            &["render", "scene.kdl", "-o", "a.png", "--size", "0x9"],
-            "1024x768",
-        ),
-        (
-            &[
-                "render",
-                "scene.kdl",
-                "-o",
-                "a.png",
-                "--device",
-                "no such device",
-            ],
-            "no such device",
-        ),
-        (
-            &[
-                "render",
-                "huge.kdl",
-                "-o",
-                "a.png",
-                "--renderer",
-                "reference",
-            ],
-            "budget is 1 MiB",
-        ),
-        (
-            &[
-                "render",
-                "open.kdl",
-                "-o",
-                "a.png",
-                "--renderer",
-                "reference",
-            ],
-            "",
-        ),
-        (&["bake", "scene.kdl", "-o", "a.vtk"], ".nrrd"),
-        (&["bake", "scene.kdl", "-o", "none/a.nrrd"], "none/a.nrrd"),
-        (&["paint"], "paint"),
-    ] {
+    for (arguments, part) in MISTAKES {
         let message = fail(folder.path(), arguments);
         assert!(message.contains(part), "{arguments:?}: {message}");
     }
