@@ -3,7 +3,7 @@
 #include "interface.glsl"
 
 layout(constant_id = 0) const uint MODE = 0;
-// Whether texels hold value times coverage and coverage, or a value alone.
+// Whether texels hold value times coverage and coverage (normals apart), or a value (in a lit target its normal beside it).
 layout(constant_id = 1) const bool MIXED = false;
 // 0 is unlit.
 layout(constant_id = 2) const uint LIGHTS = 0;
@@ -23,8 +23,8 @@ layout(location = 0) out vec4 color;
 
 // Premultiplied colour and opacity of one slab of ray.
 vec4 classify(float fraction, float path_per_depth) {
-    float entry = (fraction * float(TABLE_LEN - 1) + 0.5) / float(TABLE_LEN);
-    vec4 c = textureLod(table, vec2(entry, 0.5), 0.0);
+    int entry = int(clamp(fraction, 0.0, 1.0) * float(TABLE_LEN - 1) + 0.5);
+    vec4 c = texelFetch(table, ivec2(entry, 0), 0);
     if (PERSPECTIVE && c.a > 0.0) {
         float longer = 1.0 - pow(max(1.0 - c.a, 0.0), path_per_depth);
         c = vec4(c.rgb * (longer / c.a), longer);
@@ -50,15 +50,9 @@ vec2 respond(vec3 m) {
 }
 
 void main() {
-    float coverage = 1.0;
-    float weighted;
-    if (MIXED) {
-        vec2 stored = textureLod(values, texture_at, 0.0).rg;
-        coverage = stored.g;
-        weighted = frame.values.x * stored.r + frame.values.y * coverage;
-    } else {
-        weighted = frame.values.x * textureLod(values, texture_at, 0.0).r + frame.values.y;
-    }
+    vec4 stored = textureLod(values, texture_at, 0.0);
+    float coverage = MIXED ? stored.g : 1.0;
+    float weighted = frame.values.x * stored.r + frame.values.y * coverage;
     float path_per_depth = PERSPECTIVE ? sqrt(1.0 + dot(ray_slope, ray_slope)) : 1.0;
     if (MODE == MODE_MIP || MODE == MODE_MINIP || MODE == MODE_AVERAGE) {
         float value = MODE == MODE_MINIP ? coverage - weighted : weighted;
@@ -66,21 +60,18 @@ void main() {
         color = vec4(vec3(value), coverage) * weight;
         return;
     }
-    if (MIXED && coverage <= 0.0) {
-        discard;
-    }
-    vec4 c = classify(MIXED ? weighted / coverage : weighted, path_per_depth);
-    if (c.a <= 0.0) {
-        discard;
-    }
+    // Where nothing is covered the quotient is any number, and its colour weighs nothing.
+    vec4 c = classify(MIXED ? weighted / max(coverage, 1e-6) : weighted, path_per_depth);
     if (MODE == MODE_XRAY) {
         color = vec4(c.a * coverage);
         return;
     }
     vec2 light = vec2(1.0, 0.0);
     if (LIGHTS > 0) {
-        // 128/255 stands for 0 and 1/127 is a step, so that no gradient is exactly none.
-        light = respond(textureLod(normals, texture_at, 0.0).rgb * (255.0 / 127.0) - 128.0 / 127.0);
+        vec3 m = MIXED
+            ? textureLod(normals, texture_at, 0.0).gba * frame.normals.z + frame.normals.w
+            : stored.gba * frame.normals.x + frame.normals.y;
+        light = respond(m);
     }
     color = vec4(cue * (light.x * c.rgb + light.y * c.a), c.a) * coverage;
 }

@@ -7,33 +7,46 @@ use spirq::ty::{SpirvType, StructType, Type};
 use vcsg::interface::{Layout, layouts};
 use vcsg::shaders;
 
-/// Every structure within `ty`, itself included.
-fn structures(ty: &Type, found: &mut Vec<StructType>) {
-    match ty {
-        Type::Struct(structure) => {
-            found.push(structure.clone());
-            structure
-                .members
-                .iter()
-                .for_each(|member| structures(&member.ty, found));
+/// What a shader reads that has a layout.
+#[derive(Default)]
+struct Found {
+    structures: Vec<StructType>,
+    /// The names of arrays' elements, and the bytes from one to the next.
+    strides: Vec<(String, Option<usize>)>,
+}
+
+impl Found {
+    /// Adds everything within `ty`, itself included.
+    fn add(&mut self, ty: &Type) {
+        match ty {
+            Type::Struct(structure) => {
+                self.structures.push(structure.clone());
+                structure
+                    .members
+                    .iter()
+                    .for_each(|member| self.add(&member.ty));
+            }
+            Type::Array(array) => {
+                if let Type::Struct(element) = &*array.element_ty {
+                    self.strides
+                        .push((element.name.clone().unwrap_or_default(), array.stride));
+                }
+                self.add(&array.element_ty);
+            }
+            _ => (),
         }
-        Type::Array(array) => structures(&array.element_ty, found),
-        _ => (),
     }
 }
 
-/// The structures that a shader's uniforms, buffers and push constants are made of.
-fn reflected(spirv: &[u32]) -> Vec<StructType> {
-    let entry_points = ReflectConfig::new()
-        .spv(spirv)
-        .ref_all_rscs(true)
-        .reflect()
-        .expect("SPIR-V");
-    let mut found = Vec::new();
-    entry_points
-        .iter()
-        .flat_map(|entry| &entry.vars)
-        .for_each(|var| structures(var.ty(), &mut found));
+/// What a shader's uniforms, buffers and push constants are made of.
+fn reflected(spirv: &[u32]) -> Found {
+    let config = ReflectConfig::new().spv(spirv).ref_all_rscs(true).reflect();
+    let mut found = Found::default();
+    let variables = config
+        .expect("SPIR-V")
+        .into_iter()
+        .flat_map(|entry| entry.vars);
+    variables.for_each(|variable| found.add(variable.ty()));
     found
 }
 
@@ -57,15 +70,21 @@ fn every_shared_structure_has_one_layout() {
     let layouts = layouts();
     let by_name: BTreeMap<_, _> = layouts.iter().map(|layout| (layout.name, layout)).collect();
     let mut seen = BTreeSet::new();
-    for glsl in shaders::ALL.iter().flat_map(|shader| reflected(shader.1)) {
-        if let Some(layout) = glsl.name.as_deref().and_then(|name| by_name.get(name)) {
-            assert_alike(layout, &glsl);
-            seen.insert(layout.name);
+    for found in shaders::ALL.iter().map(|shader| reflected(shader.1)) {
+        for glsl in &found.structures {
+            if let Some(layout) = glsl.name.as_deref().and_then(|name| by_name.get(name)) {
+                assert_alike(layout, glsl);
+                seen.insert(layout.name);
+            }
+        }
+        for (name, stride) in &found.strides {
+            let size = by_name.get(name.as_str()).map(|layout| layout.size);
+            assert!(
+                size.is_none() || size == *stride,
+                "the stride of an array of {name}"
+            );
         }
     }
-    assert_eq!(
-        seen,
-        by_name.keys().copied().collect(),
-        "each shared structure is in a reflected shader"
-    );
+    let all: BTreeSet<_> = by_name.keys().copied().collect();
+    assert_eq!(seen, all, "each shared structure is in a reflected shader");
 }

@@ -43,7 +43,7 @@ fn voxels(kind: usize, count: usize, seed: u64) -> Voxels {
         state ^= state << 17;
         state
     };
-    let quiet = seed % 3 == 0;
+    let quiet = seed.is_multiple_of(3);
     let mut bits = move || {
         if quiet && next() % 500 != 0 {
             7

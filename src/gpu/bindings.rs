@@ -39,6 +39,27 @@ impl Binding {
         }
     }
 
+    /// A buffer may be larger than what shaders can see of it.
+    fn require_size(&self, device: &Device) -> Result<(), GpuError> {
+        let limits = &device.info().limits;
+        let (buffer, what, limit) = match self {
+            Self::SampledImage(..) => return Ok(()),
+            Self::Uniform(buffer) => (buffer, "bytes of uniform data", limits.uniform_bytes),
+            Self::Storage(buffer) => (buffer, "bytes of storage data", limits.storage_bytes),
+        };
+        let (label, asked, limit) = (buffer.label().to_owned(), buffer.bytes(), u64::from(limit));
+        if asked > limit {
+            Err(GpuError::TooLarge {
+                label,
+                what,
+                asked,
+                limit,
+            })
+        } else {
+            Ok(())
+        }
+    }
+
     fn is_on(&self, device: &Device) -> bool {
         match self {
             Self::SampledImage(image, _) => image.is_on(device),
@@ -79,7 +100,7 @@ impl Bindings {
     /// Binds `entries` to the bindings 0, 1, 2, … of set 0.
     ///
     /// # Errors
-    /// [`GpuError::Usage`] for no entries or those of another device; or what Vulkan says.
+    /// [`GpuError::Usage`] for no entries or those of another device, [`GpuError::TooLarge`]; or what Vulkan says.
     pub fn new(
         device: &Arc<Device>,
         label: &str,
@@ -91,6 +112,9 @@ impl Bindings {
                 "bindings need entries, all of the same device",
             ));
         }
+        entries
+            .iter()
+            .try_for_each(|entry| entry.require_size(device))?;
         let kinds: Vec<_> = entries.iter().map(Binding::kind).collect();
         let mut bindings = Self {
             device: Arc::clone(device),

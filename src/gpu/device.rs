@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use ash::{ext::debug_utils, vk};
+use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use super::info::graphics_family;
@@ -214,7 +215,9 @@ fn allocator(
         physical_device: physical,
         debug_settings: Default::default(),
         buffer_device_address: false,
-        allocation_sizes: Default::default(),
+        allocation_sizes: AllocationSizes::new(16 << 20, 16 << 20)
+            .with_max_device_memblock_size(256 << 20)
+            .with_max_host_memblock_size(64 << 20),
     };
     Allocator::new(&desc)
         .map_err(|error| GpuError::usage("the memory allocator", error.to_string()))

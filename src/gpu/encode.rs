@@ -6,6 +6,7 @@ use super::access::Use;
 use super::check::check;
 use super::pipeline::PUSH_STAGES;
 use super::track::{Barriers, Tracker};
+use super::uses::track;
 use super::{
     Bindings, Buffer, BufferCopy, BufferRole, Command, Device, Draw, Elements, GpuError,
     GraphicsPipeline, ImageCopy, Load, Push, Recording, RenderPass, Target,
@@ -283,51 +284,6 @@ struct Bound<'a> {
 
 fn span(range: &std::ops::Range<u32>) -> (u32, u32) {
     (range.start, range.end.saturating_sub(range.start))
-}
-
-/// Notes what `command` uses.
-fn track(command: &Command, tracker: &mut Tracker) -> Result<(), GpuError> {
-    match command {
-        Command::Upload(copy) => {
-            tracker.buffer(&copy.buffer, Use::CopyFrom);
-            tracker.image(&copy.image, Use::CopyInto)
-        }
-        Command::ReadBack(copy) => {
-            tracker.buffer(&copy.buffer, Use::CopyInto);
-            tracker.image(&copy.image, Use::CopyFrom)
-        }
-        Command::CopyBuffer(copy) => {
-            tracker.buffer(&copy.source, Use::CopyFrom);
-            tracker.buffer(&copy.destination, Use::CopyInto);
-            Ok(())
-        }
-        Command::Render(pass) => track_pass(pass, tracker),
-    }
-}
-
-fn track_pass(pass: &RenderPass, tracker: &mut Tracker) -> Result<(), GpuError> {
-    for Target { image, load } in &pass.targets {
-        if *load == Load::Keep && tracker.is_undefined(image) {
-            return Err(GpuError::usage(
-                image.label(),
-                "a pass keeps what was never drawn",
-            ));
-        }
-        tracker.image(image, Use::DrawInto)?;
-    }
-    for draw in &pass.draws {
-        tracker.pipeline(&draw.pipeline);
-        draw.bindings
-            .as_ref()
-            .map_or(Ok(()), |bindings| tracker.bindings(bindings))?;
-        if let Some(stream) = &draw.stream {
-            tracker.buffer(&stream.buffer, Use::ReadVertices);
-        }
-        if let Elements::Indices { buffer, .. } = &draw.elements {
-            tracker.buffer(buffer, Use::ReadIndices);
-        }
-    }
-    Ok(())
 }
 
 fn attachment(target: &Target) -> vk::RenderingAttachmentInfo<'static> {

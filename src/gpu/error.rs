@@ -46,11 +46,11 @@ pub enum GpuError {
         missing: Vec<String>,
     },
     /// The device or the host has not enough memory.
-    #[error("out of memory: {bytes} bytes for {label}")]
+    #[error("out of memory: {}{label}", amount(*bytes))]
     OutOfMemory {
         /// What the memory was for.
         label: String,
-        /// How much was asked for, in bytes.
+        /// How much was asked for, in bytes; 0 if that is not known.
         bytes: u64,
     },
     /// A size is beyond what the device can do.
@@ -122,5 +122,13 @@ impl GpuError {
             label: label.to_owned(),
             problem: problem.into(),
         }
+    }
+}
+
+/// `N bytes for `, or nothing where the number is not known.
+fn amount(bytes: u64) -> String {
+    match bytes {
+        0 => String::new(),
+        _ => format!("{bytes} bytes for "),
     }
 }

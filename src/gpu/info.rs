@@ -55,6 +55,8 @@ pub struct DeviceLimits {
     pub color_targets: u32,
     /// The most bytes of one uniform buffer.
     pub uniform_bytes: u32,
+    /// The most bytes of one storage buffer.
+    pub storage_bytes: u32,
     /// The most bytes of one allocation.
     pub allocation_bytes: u64,
     /// The bytes of the largest memory heap of the device.
@@ -166,6 +168,7 @@ fn limits(limits: &vk::PhysicalDeviceLimits, allocation_bytes: u64) -> DeviceLim
         push_bytes: limits.max_push_constants_size,
         color_targets: limits.max_color_attachments,
         uniform_bytes: limits.max_uniform_buffer_range,
+        storage_bytes: limits.max_storage_buffer_range,
         allocation_bytes,
         memory_bytes: 0,
         sub_texel_bits: limits.sub_texel_precision_bits,

@@ -10,6 +10,7 @@ mod access;
 mod bindings;
 mod buffer;
 mod check;
+mod compile;
 mod device;
 mod encode;
 mod error;
@@ -25,6 +26,7 @@ mod sampler;
 mod select;
 mod submit;
 mod track;
+mod uses;
 mod validation;
 
 pub use ash::vk::Format;

@@ -18,13 +18,8 @@ pub struct Submission {
     passes: u32,
     value: u64,
     /// Everything that the commands use.
-    _held: Tracker,
+    held: Tracker,
 }
-
-// SAFETY: a tracker holds pointers only as keys, and never follows them; all else is `Send` and `Sync`.
-unsafe impl Send for Submission {}
-// SAFETY: as above.
-unsafe impl Sync for Submission {}
 
 impl Device {
     /// Starts the work of `recording` after all that was submitted before.
@@ -37,12 +32,12 @@ impl Device {
         let mut submission = Submission::new(self, recording)?;
         let commands = submission.record(recording)?;
         let value = queue.submitted + 1;
-        let buffers: Vec<_> = submission._held.used_buffers().cloned().collect();
+        let buffers: Vec<_> = submission.held.used_buffers().cloned().collect();
         // Locked while the work is handed over, so that the host is never writing at that moment.
         let mut hosts: Vec<MutexGuard<Host>> = buffers.iter().map(|buffer| buffer.host()).collect();
         self.hand_over(queue.raw, commands, value)?;
         hosts.iter_mut().for_each(|host| host.last_use = value);
-        submission._held.commit();
+        submission.held.commit();
         (queue.submitted, submission.value) = (value, value);
         Ok(submission)
     }
@@ -86,7 +81,7 @@ impl Submission {
             times: None,
             passes,
             value: 0,
-            _held: Tracker::default(),
+            held: Tracker::default(),
         };
         submission.times = submission.query_pool()?;
         Ok(submission)
@@ -123,7 +118,7 @@ impl Submission {
                 raw.cmd_reset_query_pool(commands, times, 0, 2 * self.passes);
             }
         }
-        Encoder::new(&self.device, commands, self.times).encode(recording, &mut self._held)?;
+        Encoder::new(&self.device, commands, self.times).encode(recording, &mut self.held)?;
         // SAFETY: the command buffer is being recorded.
         unsafe { self.device.raw().end_command_buffer(commands) }
             .map_err(GpuError::vulkan("record"))?;

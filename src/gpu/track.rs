@@ -14,14 +14,22 @@ use super::{Binding, Bindings, Buffer, GpuError, GraphicsPipeline, Image};
 /// What a submission uses, which it must hold, and the states it leaves behind.
 #[derive(Default)]
 pub(super) struct Tracker {
-    images: HashMap<*const Image, Tracked<Image>>,
-    buffers: HashMap<*const Buffer, Tracked<Buffer>>,
-    bindings: HashMap<*const Bindings, (Arc<Bindings>, usize)>,
-    pipelines: HashMap<*const GraphicsPipeline, Arc<GraphicsPipeline>>,
+    images: HashMap<Address, Tracked<Image>>,
+    buffers: HashMap<Address, Tracked<Buffer>>,
+    /// With the last command that uses them.
+    bindings: HashMap<Address, (Arc<Bindings>, usize)>,
+    pipelines: HashMap<Address, Arc<GraphicsPipeline>>,
     image_barriers: Vec<vk::ImageMemoryBarrier2<'static>>,
     buffer_barriers: Vec<vk::BufferMemoryBarrier2<'static>>,
     /// The number of the command being tracked.
     command: usize,
+}
+
+/// Tells objects apart; each is held, so no other takes its address.
+type Address = usize;
+
+fn address<T>(object: &Arc<T>) -> Address {
+    Arc::as_ptr(object).addr()
 }
 
 struct Tracked<T> {
@@ -40,7 +48,7 @@ pub(super) type Barriers = (
 impl Tracker {
     /// Notes that the command at hand uses `image`.
     pub(super) fn image(&mut self, image: &Arc<Image>, usage: Use) -> Result<(), GpuError> {
-        let tracked = self.images.entry(Arc::as_ptr(image)).or_insert_with(|| {
+        let tracked = self.images.entry(address(image)).or_insert_with(|| {
             let state = *image.state();
             Tracked {
                 object: Arc::clone(image),
@@ -75,7 +83,7 @@ impl Tracker {
 
     /// Has anything been written into `image`, this recording's commands so far included?
     pub(super) fn is_undefined(&self, image: &Arc<Image>) -> bool {
-        let tracked = self.images.get(&Arc::as_ptr(image));
+        let tracked = self.images.get(&address(image));
         tracked.map_or_else(
             || image.state().is_undefined(),
             |tracked| tracked.state.is_undefined(),
@@ -84,7 +92,7 @@ impl Tracker {
 
     /// Notes that the command at hand uses `buffer`.
     pub(super) fn buffer(&mut self, buffer: &Arc<Buffer>, usage: Use) {
-        let tracked = self.buffers.entry(Arc::as_ptr(buffer)).or_insert_with(|| {
+        let tracked = self.buffers.entry(address(buffer)).or_insert_with(|| {
             let state = *buffer.state();
             Tracked {
                 object: Arc::clone(buffer),
@@ -105,7 +113,7 @@ impl Tracker {
     pub(super) fn bindings(&mut self, bindings: &Arc<Bindings>) -> Result<(), GpuError> {
         let seen = self
             .bindings
-            .insert(Arc::as_ptr(bindings), (Arc::clone(bindings), self.command));
+            .insert(address(bindings), (Arc::clone(bindings), self.command));
         if seen.is_some_and(|(_, command)| command == self.command) {
             return Ok(());
         }
@@ -121,7 +129,7 @@ impl Tracker {
     /// Notes that the command at hand uses `pipeline`.
     pub(super) fn pipeline(&mut self, pipeline: &Arc<GraphicsPipeline>) {
         self.pipelines
-            .entry(Arc::as_ptr(pipeline))
+            .entry(address(pipeline))
             .or_insert_with(|| Arc::clone(pipeline));
     }
 

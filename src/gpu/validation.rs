@@ -103,3 +103,78 @@ impl Drop for Messenger {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ash::vk;
+
+    use crate::gpu::{
+        Buffer, BufferRole, Device, DeviceSelector, GpuError, Instance, Requirements, Validation,
+    };
+
+    /// Records two writes of one buffer, with or without a barrier between them, and returns the messages.
+    fn messages_of_two_writes(
+        barrier: Option<vk::MemoryBarrier2>,
+    ) -> Result<Vec<String>, GpuError> {
+        let instance = Instance::new(Validation::On)?;
+        let device = Device::open(
+            &instance,
+            &DeviceSelector::Default,
+            &Requirements::default(),
+        )?;
+        let buffer = Buffer::new(&device, "written twice", BufferRole::Device, 64)?;
+        let (raw, failed) = (device.raw(), GpuError::vulkan("record"));
+        let pool = vk::CommandPoolCreateInfo::default().queue_family_index(device.family());
+        // SAFETY: one thread records into one command buffer of one pool, which goes before the buffer and the device.
+        let recorded = unsafe {
+            let pool = raw
+                .create_command_pool(&pool, None)
+                .map_err(GpuError::vulkan("record"))?;
+            let info = vk::CommandBufferAllocateInfo::default()
+                .command_pool(pool)
+                .command_buffer_count(1);
+            let recorded = raw.allocate_command_buffers(&info).and_then(|commands| {
+                raw.begin_command_buffer(commands[0], &vk::CommandBufferBeginInfo::default())?;
+                raw.cmd_fill_buffer(commands[0], buffer.raw(), 0, 64, 1);
+                let barriers: Vec<_> = barrier.into_iter().collect();
+                let info = vk::DependencyInfo::default().memory_barriers(&barriers);
+                raw.cmd_pipeline_barrier2(commands[0], &info);
+                raw.cmd_fill_buffer(commands[0], buffer.raw(), 0, 64, 2);
+                raw.end_command_buffer(commands[0])
+            });
+            raw.destroy_command_pool(pool, None);
+            recorded
+        };
+        recorded.map_err(failed)?;
+        Ok(instance.messages())
+    }
+
+    #[test]
+    fn a_missing_barrier_is_noticed() {
+        let messages = messages_of_two_writes(None).expect("a device: run `make setup`");
+        assert!(
+            messages
+                .iter()
+                .any(|text| text.contains("SYNC-HAZARD-WRITE")),
+            "{messages:?}"
+        );
+        assert!(
+            messages.iter().any(|text| text.contains("written twice")),
+            "objects have names: {messages:?}"
+        );
+    }
+
+    #[test]
+    fn a_barrier_silences_it() {
+        let (stage, access) = (
+            vk::PipelineStageFlags2::ALL_TRANSFER,
+            vk::AccessFlags2::TRANSFER_WRITE,
+        );
+        let barrier = vk::MemoryBarrier2::default()
+            .src_stage_mask(stage)
+            .src_access_mask(access);
+        let barrier = barrier.dst_stage_mask(stage).dst_access_mask(access);
+        let messages = messages_of_two_writes(Some(barrier)).expect("a device: run `make setup`");
+        assert_eq!(messages, Vec::<String>::new());
+    }
+}

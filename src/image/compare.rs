@@ -59,7 +59,7 @@ pub struct Outside {
     pub channels: usize,
     /// The first, row by row, of those that are out the most.
     pub worst: Place,
-    /// How far it is out: above 0, and infinite for NaN.
+    /// How far it is out: above 0, and infinite where it or a bound is NaN.
     pub excess: f32,
     /// What it is.
     pub value: f32,
@@ -99,7 +99,7 @@ pub fn outside(actual: &Frame, low: &Frame, high: &Frame) -> Result<Option<Outsi
         let here = Outside {
             channels: 1 + found.map_or(0, |f| f.channels),
             worst: place(actual, i),
-            excess: finite_or_infinite((low - value).max(value - high)),
+            excess: excess(value, low, high),
             value,
             low,
             high,
@@ -210,6 +210,11 @@ fn place(frame: &Frame, channel_index: usize) -> Place {
     }
 }
 
+fn excess(value: f32, low: f32, high: f32) -> f32 {
+    let [below, above] = [low - value, value - high].map(finite_or_infinite);
+    below.max(above)
+}
+
 fn finite_or_infinite(difference: f32) -> f32 {
     if difference.is_nan() {
         f32::INFINITY
@@ -304,7 +309,7 @@ mod tests {
             [&good, &good, &bad],
         ] {
             let found = outside(actual, low, high).expect("same size");
-            assert!(found.is_some_and(|o| o.excess == f32::INFINITY || o.channels == 1));
+            assert!(found.is_some_and(|o| o.excess == f32::INFINITY && o.channels == 1));
         }
         assert_eq!(
             max_difference(&good, &bad).expect("same size"),

@@ -19,7 +19,15 @@ pub enum EncodeError {
         /// The name.
         path: PathBuf,
     },
-    /// The PNG encoder refused, for instance a frame without pixels or a keyword that PNG does not allow.
+    /// Neither format can hold it, and the OpenEXR encoder would panic.
+    #[error("a frame of {width} x {height} pixels has nothing to write")]
+    NoPixels {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// The PNG encoder refused, for instance a keyword that PNG does not allow.
     #[error("cannot encode a frame of {width} x {height} pixels as PNG: {source}")]
     Png {
         /// Columns.
@@ -29,7 +37,7 @@ pub enum EncodeError {
         /// What the encoder said.
         source: png::EncodingError,
     },
-    /// The OpenEXR encoder refused, for instance a frame without pixels.
+    /// The OpenEXR encoder refused.
     #[error("cannot encode a frame of {width} x {height} pixels as OpenEXR: {source}")]
     Exr {
         /// Columns.
@@ -102,8 +110,9 @@ pub fn save(frame: &Frame, path: &Path, notes: &[(&str, &str)]) -> Result<(), En
 /// The frame as a PNG: 8 bits, straight alpha, with `notes` as international text chunks before the pixels.
 ///
 /// # Errors
-/// [`EncodeError::Png`] for a frame without pixels or a keyword that PNG does not allow.
+/// [`EncodeError::NoPixels`], or [`EncodeError::Png`] for a keyword that PNG does not allow.
 pub fn encode_png(frame: &Frame, notes: &[(&str, &str)]) -> Result<Vec<u8>, EncodeError> {
+    require_pixels(frame)?;
     let mut bytes = Vec::new();
     write_png(frame, notes, &mut bytes).map_err(|source| EncodeError::Png {
         width: frame.width(),
@@ -111,6 +120,14 @@ pub fn encode_png(frame: &Frame, notes: &[(&str, &str)]) -> Result<Vec<u8>, Enco
         source,
     })?;
     Ok(bytes)
+}
+
+fn require_pixels(frame: &Frame) -> Result<(), EncodeError> {
+    if frame.pixels().is_empty() {
+        let (width, height) = (frame.width(), frame.height());
+        return Err(EncodeError::NoPixels { width, height });
+    }
+    Ok(())
 }
 
 fn write_png(
@@ -133,8 +150,9 @@ fn write_png(
 /// The frame as OpenEXR: RGBA, 32-bit float, premultiplied.
 ///
 /// # Errors
-/// [`EncodeError::Exr`] for a frame without pixels.
+/// [`EncodeError::NoPixels`], or [`EncodeError::Exr`] with what the encoder says.
 pub fn encode_exr(frame: &Frame) -> Result<Vec<u8>, EncodeError> {
+    require_pixels(frame)?;
     let mut bytes = Cursor::new(Vec::new());
     write_exr(frame, &mut bytes).map_err(|source| EncodeError::Exr {
         width: frame.width(),

@@ -5,4 +5,4 @@ mod encode;
 mod frame;
 
 pub use encode::{EncodeError, FileFormat, encode_exr, encode_png, save};
-pub use frame::{Frame, FrameSizeError};
+pub use frame::{Frame, FrameSizeError, Rgba};

@@ -2,8 +2,9 @@
 //!
 //! *Practice.* Colour and opacity are piecewise linear between control points. Opacity is stated for a unit length, and a
 //! slab of another thickness gets `1 − (1−α)^(length/unit)`. Projectors read a [`TransferTable`]: the function sampled at
-//! 4096 values over the target's value range, corrected for the slab thickness and premultiplied; between entries it is
-//! linear. The table is what all projectors share, so they agree on it exactly.
+//! 4096 values over the target's value range, corrected for the slab thickness and premultiplied. A value takes the nearest
+//! entry: at this length the steps are finer than a picture's own, and no filtering is paid for. The table is what all
+//! projectors share, so they agree on it exactly.
 
 use crate::math::Interval;
 
@@ -165,13 +166,10 @@ impl TransferTable {
         &self.entries
     }
 
-    /// Premultiplied RGBA at a `fraction` of the value range, in [0, 1].
+    /// Premultiplied RGBA at a `fraction` of the value range, in [0, 1]: the nearest entry.
     pub fn at(&self, fraction: f64) -> [f64; 4] {
-        let x = fraction.clamp(0.0, 1.0) * (Self::LEN - 1) as f64;
-        let i = (x.floor() as usize).min(Self::LEN - 2);
-        let t = x - i as f64;
-        let (a, b) = (self.entries[i], self.entries[i + 1]);
-        std::array::from_fn(|c| f64::from(a[c]) + t * (f64::from(b[c]) - f64::from(a[c])))
+        let nearest = fraction.clamp(0.0, 1.0) * (Self::LEN - 1) as f64 + 0.5;
+        self.entries[nearest as usize].map(f64::from)
     }
 }
 

@@ -3,7 +3,7 @@
 //! *Theory.* Each target block is a 3D texture, bound and drawn (VCSG §3.3.2).
 //! *Changes from the paper.* Blocks of one shape share a page, so that what is bound changes seldom; each carries an apron of
 //! one voxel, so that filtering inside it never sees its neighbours in the page. Soft normals are stored beside the values:
-//! one fetch instead of six.
+//! one fetch instead of six (see [`texels`](super::texels)).
 //! *Practice.* No page is larger than the device's 3D images. Voxels are reconstructed, encoded and uploaded batch by batch,
 //! so no second copy of the target is ever held.
 
@@ -36,9 +36,9 @@ pub struct Page {
     pub mixed: bool,
     /// Texels along each axis.
     pub dims: [u32; 3],
-    /// The values.
+    /// The values; in a covered page of a lit target each with its soft normal.
     pub values: Arc<Image>,
-    /// The soft normals, where the target is lit.
+    /// The soft normals of a mixed page of a lit target.
     pub normals: Option<Arc<Image>>,
 }
 
@@ -59,18 +59,22 @@ pub struct PagedTarget {
     pub slots: Vec<Slot>,
     /// The cells of each block.
     pub cells: Vec<CellRanges>,
-    /// Scale and offset from stored values to fractions of the target's value range.
-    pub fraction_of_stored: [f32; 2],
+    /// How values are stored.
+    pub encoding: Encoding,
 }
 
 /// The formats of values and normals that pages use; a device must filter all of them linearly.
-pub const FORMATS: [Format; 5] = [
+pub const FORMATS: [Format; 6] = [
     Format::R8_UNORM,
     Format::R8G8_UNORM,
     Format::R16_UNORM,
     Format::R16G16_UNORM,
-    Format::R8G8B8A8_UNORM,
+    NORMAL_FORMAT,
+    Format::R16G16B16A16_UNORM,
 ];
+
+/// The format of normals that are apart from values.
+const NORMAL_FORMAT: Format = Format::R8G8B8A8_UNORM;
 
 impl PagedTarget {
     /// Reconstructs all blocks of `target` and uploads them, with normals if `normals` says how. `progress` is told the
@@ -84,7 +88,7 @@ impl PagedTarget {
         normals: Option<&SoftNormals>,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Self, GpuError> {
-        let encoding = Encoding::of(target);
+        let encoding = Encoding::of(target, normals.is_some());
         let (plans, slots) = arrange(target, encoding, device.info().limits.image_dimension_3d);
         let pages = plans
             .iter()
@@ -94,7 +98,7 @@ impl PagedTarget {
             pages,
             slots,
             cells: empty_cells(target),
-            fraction_of_stored: encoding.fraction_of_stored(target.value_range),
+            encoding,
         };
         let all = pieces::pieces(target);
         let mut rest = &all[..];
@@ -288,28 +292,28 @@ impl PagePlan {
             let extent = Extent::D3(width, height, depth);
             Image::new(device, label, ImageRole::Sampled, format, extent)
         };
+        let beside = self.mixed && lit;
         Ok(Page {
             mixed: self.mixed,
             dims,
             values: image(
                 "values of target blocks",
-                value_format(encoding, self.mixed),
+                value_format(encoding, self.mixed, lit),
             )?,
-            normals: if lit {
-                Some(image("normals of target blocks", Format::R8G8B8A8_UNORM)?)
-            } else {
-                None
-            },
+            normals: beside
+                .then(|| image("normals of target blocks", NORMAL_FORMAT))
+                .transpose()?,
         })
     }
 }
 
-fn value_format(encoding: Encoding, mixed: bool) -> Format {
-    match (encoding, mixed) {
-        (Encoding::Bytes, false) => Format::R8_UNORM,
-        (Encoding::Bytes, true) => Format::R8G8_UNORM,
-        (Encoding::Fractions(_), false) => Format::R16_UNORM,
-        (Encoding::Fractions(_), true) => Format::R16G16_UNORM,
+fn value_format(encoding: Encoding, mixed: bool, lit: bool) -> Format {
+    match (encoding, mixed, lit) {
+        (Encoding::Bytes, true, _) => Format::R8G8_UNORM,
+        (Encoding::Bytes, false, _) => Format::R8_UNORM,
+        (Encoding::Fractions(_), true, _) => Format::R16G16_UNORM,
+        (Encoding::Fractions(_), false, true) => Format::R16G16B16A16_UNORM,
+        (Encoding::Fractions(_), false, false) => Format::R16_UNORM,
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::texels::{self, Encoding};
+use super::texels::{self, Encoding, NormalRows, Rows};
 use crate::projection::SoftNormals;
 use crate::target::{Block, BlockVoxels, CELL, CellRanges, Layout, Target};
 
@@ -26,9 +26,9 @@ pub struct Piece {
 
 /// What a piece becomes.
 pub struct PieceTexels {
-    /// Value texels.
+    /// Value texels, with normals beside them if the block is covered and the target lit.
     pub values: Vec<u8>,
-    /// Normal texels, if the target is lit.
+    /// Normal texels of a mixed block of a lit target; a covered one has them in its values.
     pub normals: Vec<u8>,
     /// The slab's cells.
     pub cells: CellRanges,
@@ -113,39 +113,40 @@ fn fill_one(
     if slab.layout == Layout::Uniform {
         return uniform(slab, encoding, normals.is_some());
     }
-    let apron = if normals.is_some() {
-        Block::REACH
-    } else {
-        Block::APRON
+    let Some(soft) = normals else {
+        let voxels = BlockVoxels::reconstruct(target, slab, Block::APRON);
+        let rows = Rows::new(slab, &voxels, encoding);
+        return PieceTexels {
+            values: rows.values(piece.planes.clone()),
+            normals: Vec::new(),
+            cells: CellRanges::new(slab, &voxels),
+        };
     };
-    let voxels = BlockVoxels::reconstruct(target, slab, apron);
+    let voxels = BlockVoxels::reconstruct(target, slab, Block::REACH);
+    let rows = Rows::new(slab, &voxels, encoding);
+    let normal_rows = NormalRows::new(soft, target.value_range, &target.lattice, slab, &voxels);
+    let (values, normals) = if slab.layout == Layout::Mixed {
+        let planes = piece.planes.clone();
+        (
+            rows.values(planes.clone()),
+            rows.normals(&normal_rows, planes),
+        )
+    } else {
+        let lit = rows.lit_values(&normal_rows, piece.planes.clone());
+        (lit, Vec::new())
+    };
     PieceTexels {
-        values: texels::values(encoding, slab, &voxels, piece.planes.clone()),
-        normals: normals.map_or_else(Vec::new, |soft| {
-            let range = target.value_range;
-            texels::normals(
-                soft,
-                range,
-                &target.lattice,
-                slab,
-                &voxels,
-                piece.planes.clone(),
-            )
-        }),
+        values,
+        normals,
         cells: CellRanges::new(slab, &voxels),
     }
 }
 
 fn uniform(block: &Block, encoding: Encoding, lit: bool) -> PieceTexels {
     const TEXELS: usize = UNIFORM_EDGE * UNIFORM_EDGE * UNIFORM_EDGE;
-    let texel = texels::one(encoding, block.range.value.lo);
     PieceTexels {
-        values: texel.repeat(TEXELS),
-        normals: if lit {
-            [128, 128, 128, 0].repeat(TEXELS)
-        } else {
-            Vec::new()
-        },
+        values: texels::uniform(encoding, block.range.value.lo, lit, TEXELS),
+        normals: Vec::new(),
         cells: CellRanges::uniform(block),
     }
 }

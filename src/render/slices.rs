@@ -79,6 +79,7 @@ impl SliceRenderer {
             FORMATS[2],
             FORMATS[3],
             FORMATS[4],
+            FORMATS[5],
             TABLE_FORMAT,
         ],
         blended: &[TARGET_FORMAT],
@@ -409,7 +410,7 @@ impl Shared {
         )?;
         let entries = Buffer::with_data(device, "transfer table", table.entries())?;
         recording.upload(&entries, &table_image);
-        let data = frame::frame_data(spec, plan, paged.fraction_of_stored);
+        let data = frame::frame_data(spec, plan, paged.encoding);
         let uniform = Buffer::with_data(device, "frame data", &[data])?;
         let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;
         let templates = Buffer::with_data(device, "templates", &frame::templates(plan))?;

@@ -106,8 +106,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The most voxels along one axis: positions are 64-bit fixed-point numbers of 24 fraction bits (see `sample`).
-    pub const MAX_DIM: usize = 1 << 27;
+    /// The most voxels along one axis: a brick's place on the three axes is packed into 64 bits when it is sampled.
+    pub const MAX_DIM: usize = 1 << 26;
 
     /// A grid of `dims` voxels along x, y, z.
     ///

@@ -6,6 +6,7 @@ mod field;
 mod grid;
 pub mod io;
 mod voxel;
+mod window;
 
 pub use bricks::{BrickStore, Bricks, TypedBricks};
 pub use field::{Field, Sample, SampleRange};

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use vcsg::gpu::{
-    Buffer, BufferRole, Command, Elements, Extent, Format, GpuError, Image, ImageCopy, ImageRole,
-    Load, Recording, Region,
+    Binding, Bindings, Buffer, BufferRole, Command, Elements, Extent, Format, GpuError, Image,
+    ImageCopy, ImageRole, Load, Recording, Region,
 };
 
 use crate::support::{float_target, on_device, pass, quad, quad_pipeline, shader};
@@ -59,6 +59,20 @@ fn too_much_memory_is_an_error_with_its_size() {
             assert!(error.to_string().contains("the whole sky"), "{error}");
             assert!(error.to_string().contains("70368744177664"), "{error}");
         }
+    });
+}
+
+#[test]
+fn uniform_data_beyond_the_limit_are_refused() {
+    on_device(|device| {
+        let bytes = u64::from(device.info().limits.uniform_bytes) + 1;
+        let buffer = Buffer::new(device, "long", BufferRole::Upload, bytes).expect("a buffer");
+        let error = Bindings::new(device, "too much", &[Binding::Uniform(buffer)]).err();
+        assert!(
+            matches!(error, Some(GpuError::TooLarge { .. })),
+            "{error:?}"
+        );
+        assert!(Bindings::new(device, "nothing", &[]).is_err());
     });
 }
 

@@ -137,3 +137,21 @@ fn the_host_waits_before_it_writes_again() {
         }
     });
 }
+
+#[test]
+fn a_readback_buffer_serves_again_and_again() {
+    on_device(|device| {
+        let texture = image(device, Format::R8_UNORM, Extent::D2(64, 64));
+        let seen = Buffer::new(device, "seen", BufferRole::Readback, texture.bytes());
+        let seen = seen.expect("a buffer");
+        for round in 0..3u8 {
+            let values = Buffer::with_data(device, "values", &[round; 64 * 64]);
+            let mut recording = Recording::new();
+            recording.upload(&values.expect("a buffer"), &texture);
+            recording.read_back(&texture, &seen);
+            recording.read_back(&texture, &seen);
+            device.submit(&recording).expect("a submission");
+            assert_eq!(seen.read_vec::<u8>().expect("bytes"), [round; 64 * 64]);
+        }
+    });
+}

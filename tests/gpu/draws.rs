@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use vcsg::gpu::{
-    Attribute, Binding, BindingKind, Bindings, Buffer, Draw, Elements, Extent, Filter, Format,
-    GraphicsPipeline, Image, ImageRole, Load, PipelineDesc, Push, Recording, Sampler, StepRate,
-    Stream, Topology, VertexInput,
+    Attribute, Binding, BindingKind, Bindings, Blend, Buffer, Draw, Elements, Extent, Filter,
+    Format, GraphicsPipeline, Image, ImageRole, Load, PipelineDesc, Push, Recording, Sampler,
+    StepRate, Stream, Topology, VertexInput,
 };
 
 use crate::support::{float_target, on_device, pass, quad, quad_pipeline, shader, texels_after};
@@ -131,5 +131,31 @@ fn instances_take_their_element_and_their_number() {
             seen.iter().map(|color| color[0]).collect::<Vec<_>>(),
             expected
         );
+    });
+}
+
+#[test]
+fn ten_thousand_draws_each_count_once() {
+    on_device(|device| {
+        let add = &[(Format::R32G32B32A32_SFLOAT, Some(Blend::Add))];
+        let pipelines: Vec<_> = (0..2)
+            .map(|_| {
+                quad_pipeline(device, shader("color.frag"), |desc| {
+                    desc.color_targets = add
+                })
+            })
+            .collect();
+        let draws: Vec<_> = (0..10_000u16)
+            .map(|number| {
+                let which = usize::from(number / 100 % 2);
+                let push = [1.0, f32::from(number % 2), f32::from(number % 4), 0.0];
+                quad(&pipelines[which], None, push)
+            })
+            .collect();
+        let target = float_target(device, 2);
+        let mut recording = Recording::new();
+        recording.render(pass(&target, Load::Clear([0.0; 4]), draws));
+        let seen = texels_after::<[f32; 4]>(device, &recording, &target);
+        assert_eq!(seen, [[10_000.0, 5_000.0, 15_000.0, 0.0]; 4]);
     });
 }

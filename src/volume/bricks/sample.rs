@@ -3,14 +3,20 @@
 //! *Theory.* Linear interpolation along x, then y, then z between the eight voxels round a position.
 //! *Practice.* Positions are `f64`, clamped to the outermost voxel centres and rounded to 2⁻²⁴ voxel: adding 2²⁸ leaves
 //! index and fraction in a number's bits, which is cheaper than `floor` and needs no check. Values are `f32`, and
-//! `a + t·(b − a)` returns `a` at `t = 0` and the common value of equal corners, both exactly. One kernel serves points and
-//! rows, so that they agree bit for bit; a row splits into runs in one brick.
+//! `a + t·(b − a)` returns `a` at `t = 0` and the common value of equal corners, both exactly. A row is done in chunks of
+//! three plain loops, of which the compiler makes vector code: where the samples are, what the corners there hold, and their
+//! interpolation. A point is a chunk of one, so that points and rows agree bit for bit.
+
+use std::array::from_fn;
 
 use glam::{DAffine3, DVec3};
 
-use super::typed::{Brick, SHIFT, TypedBricks, Y_STRIDE, Z_STRIDE, offset};
+use super::typed::{Brick, EDGE, SHIFT, TypedBricks, Y_STRIDE, Z_STRIDE};
 use crate::math::affine;
 use crate::volume::voxel::Voxel;
+
+/// Samples of a chunk.
+const LANES: usize = 16;
 
 /// Bits of a position's fraction of a voxel.
 const FRACTION_BITS: u32 = 24;
@@ -18,38 +24,21 @@ const FRACTION_BITS: u32 = 24;
 /// 2²⁸: in the sum with a position in `[0, 2²⁸)` the last place is 2⁻²⁴.
 const BIAS: f64 = (1u64 << (52 - FRACTION_BITS)) as f64;
 
-/// A position in fixed point, with [`FRACTION_BITS`]: lower voxel and fraction.
-#[derive(Clone, Copy)]
-struct Fixed {
-    x: u64,
-    y: u64,
-    z: u64,
+/// Bits of a brick's place along an axis in [`Sites::brick`]: enough for [`Grid::MAX_DIM`](crate::volume::Grid::MAX_DIM).
+const BRICK_BITS: u32 = 21;
+
+/// Where `N` samples are.
+struct Sites<const N: usize> {
+    /// The bricks' places along x, y, z, packed.
+    brick: [u64; N],
+    /// The lower voxels' offsets in their bricks.
+    offset: [u32; N],
+    /// Fractions of a voxel along x, y, z, in `[0, 1)`.
+    t: [[f32; N]; 3],
 }
 
-impl Fixed {
-    /// `p` clamped to the voxel centres `0..=last`; NaN becomes 0.
-    #[inline(always)]
-    fn new(p: DVec3, last: DVec3) -> Self {
-        Self {
-            x: fixed(p.x, last.x),
-            y: fixed(p.y, last.y),
-            z: fixed(p.z, last.z),
-        }
-    }
-
-    /// The lower voxel.
-    #[inline(always)]
-    fn voxel(self) -> [usize; 3] {
-        [self.x, self.y, self.z].map(|c| (c >> FRACTION_BITS) as usize)
-    }
-
-    /// Whether the lower voxels are in one brick.
-    #[inline(always)]
-    fn same_brick(self, other: Self) -> bool {
-        let differ = (self.x ^ other.x) | (self.y ^ other.y) | (self.z ^ other.z);
-        differ >> (FRACTION_BITS + SHIFT) == 0
-    }
-}
+/// The voxels round `N` samples: pairs along x, at y and y + 1 of z, then of z + 1.
+type Corners<T, const N: usize> = [[[T; 2]; N]; 4];
 
 /// `p` clamped to `[0, last]`, in units of 2⁻²⁴. Written with comparisons whose answer for NaN is known.
 #[inline(always)]
@@ -59,11 +48,11 @@ fn fixed(p: f64, last: f64) -> u64 {
     (p + BIAS).to_bits() - BIAS.to_bits()
 }
 
-/// The fraction of a fixed-point coordinate, in `[0, 1)`.
+/// The fraction of a fixed-point coordinate.
 #[inline(always)]
 fn fraction(c: u64) -> f32 {
     const UNIT: f32 = 1.0 / (1u32 << FRACTION_BITS) as f32;
-    (c & ((1 << FRACTION_BITS) - 1)) as i32 as f32 * UNIT
+    (c as u32 & ((1 << FRACTION_BITS) - 1)) as i32 as f32 * UNIT
 }
 
 /// Linear interpolation; exact at `t = 0` and for `a == b`.
@@ -72,64 +61,115 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + t * (b - a)
 }
 
-/// The sample at `p` from its brick's voxels.
-#[inline(always)]
-fn interpolate<T: Voxel>(voxels: &[T], p: Fixed) -> f32 {
-    const CORNERS: usize = Z_STRIDE + Y_STRIDE + 2;
-    let c: &[T] = &voxels[offset(p.voxel())..][..CORNERS];
-    let (tx, ty, tz) = (fraction(p.x), fraction(p.y), fraction(p.z));
-    let edge = |o: usize| lerp(c[o].to_f32(), c[o + 1].to_f32(), tx);
-    let face = |o: usize| lerp(edge(o), edge(o + Y_STRIDE), ty);
-    lerp(face(0), face(Z_STRIDE), tz)
+impl<const N: usize> Sites<N> {
+    /// The sites of `position(0..N)`, clamped to the voxel centres `0..=last`.
+    #[inline(always)]
+    fn new(position: impl Fn(usize) -> DVec3, last: DVec3) -> Self {
+        let mut sites = Self {
+            brick: [0; N],
+            offset: [0; N],
+            t: [[0.0; N]; 3],
+        };
+        for n in 0..N {
+            let p = position(n);
+            let c = [fixed(p.x, last.x), fixed(p.y, last.y), fixed(p.z, last.z)];
+            let [x, y, z] = c.map(|c| c >> (FRACTION_BITS + SHIFT));
+            sites.brick[n] = x | y << BRICK_BITS | z << (2 * BRICK_BITS);
+            let [x, y, z] = c.map(|c| (c as u32 >> FRACTION_BITS) & (EDGE as u32 - 1));
+            sites.offset[n] = x + Y_STRIDE as u32 * (y + Y_STRIDE as u32 * z);
+            for (t, c) in sites.t.iter_mut().zip(c) {
+                t[n] = fraction(c);
+            }
+        }
+        sites
+    }
+
+    /// The place of the `n`th sample's brick.
+    #[inline(always)]
+    fn place(&self, n: usize) -> [usize; 3] {
+        let bits = (1 << BRICK_BITS) - 1;
+        from_fn(|axis| (self.brick[n] >> (axis as u32 * BRICK_BITS) & bits) as usize)
+    }
+
+    /// The samples, from their corners.
+    #[inline(always)]
+    fn blend<T: Voxel>(&self, corners: &Corners<T, N>) -> [f32; N] {
+        from_fn(|n| {
+            let [tx, ty, tz] = self.t.map(|t| t[n]);
+            let edge = |c: usize| {
+                let [a, b] = corners[c][n];
+                lerp(a.to_f32(), b.to_f32(), tx)
+            };
+            let face = |c: usize| lerp(edge(c), edge(c + 1), ty);
+            lerp(face(0), face(2), tz)
+        })
+    }
 }
 
 impl<T: Voxel> TypedBricks<T> {
-    /// The last voxel's index, as a position.
-    fn last(&self) -> DVec3 {
-        DVec3::from_array(self.dims().map(|n| (n - 1) as f64))
-    }
-
     /// The trilinear sample at the voxel position `p`, clamped to the outermost voxel centres.
     pub fn sample(&self, p: DVec3) -> f32 {
-        let p = Fixed::new(p, self.last());
-        match self.brick(p.voxel().map(|i| i >> SHIFT)) {
-            Brick::Constant(v) => v.to_f32(),
-            Brick::Voxels(voxels) => interpolate(voxels, p),
-        }
+        let sites = Sites::new(|_| p, self.last());
+        let mut corners = [[[T::zeroed(); 2]; 1]; 4];
+        self.gather(&sites, 0..1, &mut corners);
+        let [v] = sites.blend(&corners);
+        v
     }
 
     /// [`Self::sample`] at `affine::step(index_from_lattice, row, i0 + n)` for each `n` of `out`.
     pub fn sample_row(&self, index_from_lattice: &DAffine3, row: DVec3, i0: f64, out: &mut [f32]) {
         let last = self.last();
-        let position =
-            |n: usize| Fixed::new(affine::step(index_from_lattice, row, i0 + n as f64), last);
-        let mut n = 0;
-        while n < out.len() {
-            let start = position(n);
-            let brick = self.brick(start.voxel().map(|i| i >> SHIFT));
-            n = match brick {
-                Brick::Constant(v) => {
-                    let mut n = n;
-                    while n < out.len() && position(n).same_brick(start) {
-                        out[n] = v.to_f32();
-                        n += 1;
-                    }
-                    n
+        let mut corners = [[[T::zeroed(); 2]; LANES]; 4];
+        for (chunk, out) in out.chunks_mut(LANES).enumerate() {
+            let start = chunk * LANES;
+            let position =
+                |n: usize| affine::step(index_from_lattice, row, i0 + (start + n) as f64);
+            let sites = Sites::<LANES>::new(position, last);
+            let mut n = 0;
+            while n < out.len() {
+                n = self.gather(&sites, n..out.len(), &mut corners);
+            }
+            out.copy_from_slice(&sites.blend(&corners)[..out.len()]);
+        }
+    }
+
+    /// Fetches the corners of the samples of a range that are in the first one's brick; returns where they end.
+    #[inline(always)]
+    fn gather<const N: usize>(
+        &self,
+        sites: &Sites<N>,
+        range: std::ops::Range<usize>,
+        corners: &mut Corners<T, N>,
+    ) -> usize {
+        let start = range.start;
+        let brick = sites.brick[start];
+        let run = range.take_while(|&n| sites.brick[n] == brick);
+        let mut end = start;
+        match self.brick(sites.place(start)) {
+            Brick::Constant(v) => {
+                for n in run {
+                    corners.iter_mut().for_each(|c| c[n] = [*v; 2]);
+                    end = n + 1;
                 }
-                Brick::Voxels(voxels) => {
-                    let mut n = n;
-                    let mut p = start;
-                    while p.same_brick(start) {
-                        out[n] = interpolate(voxels, p);
-                        n += 1;
-                        if n == out.len() {
-                            break;
-                        }
-                        p = position(n);
-                    }
-                    n
+            }
+            Brick::Voxels(voxels) => {
+                for n in run {
+                    const REACH: usize = Z_STRIDE + Y_STRIDE + 2;
+                    let v = &voxels[sites.offset[n] as usize..][..REACH];
+                    let pair = |o: usize| [v[o], v[o + 1]];
+                    corners[0][n] = pair(0);
+                    corners[1][n] = pair(Y_STRIDE);
+                    corners[2][n] = pair(Z_STRIDE);
+                    corners[3][n] = pair(Z_STRIDE + Y_STRIDE);
+                    end = n + 1;
                 }
             }
         }
+        end
+    }
+
+    /// The last voxel's index, as a position.
+    fn last(&self) -> DVec3 {
+        DVec3::from_array(self.dims().map(|n| (n - 1) as f64))
     }
 }

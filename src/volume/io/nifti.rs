@@ -17,7 +17,7 @@ use super::gunzip::{GZIP_MAGIC, Gunzip};
 use super::payload::{ByteOrder, Payload, Stored, remaining};
 use crate::math::affine;
 use crate::volume::grid::{Grid, Voxels, voxel_count};
-use crate::volume::voxel::{VoxelType, for_type};
+use crate::volume::voxel::{Voxel, VoxelType, for_type};
 
 /// Bytes of the header.
 const HEADER_BYTES: u64 = 348;
@@ -164,8 +164,7 @@ impl Fields {
                     .and_then(|f| f.metadata())
                     .map_err(io_error)?;
                 payload.check_gzip(compressed.len(), offset)?;
-                payload.skip(&mut stream, offset)?;
-                payload.decode(&mut stream, 0)
+                payload.decode_gzip(&mut stream, offset)
             }
         }
     }
@@ -214,14 +213,18 @@ fn offset(path: &Path, header: &NiftiHeader) -> Result<u64, ReadError> {
     }
 }
 
-/// The sform when it is set and can be inverted, else the qform when it is set, else the voxels' sizes alone.
+/// The sform when it is set and can be inverted, else the qform when it is set. With neither nothing is known of the
+/// anatomy, and the index axes are taken as they are.
 fn world_from_index(header: &NiftiHeader) -> DAffine3 {
-    let ras_from_index = match (header.sform_code > 0, header.qform_code > 0) {
-        (true, _) if affine::invert(&sform(header)).is_some() => sform(header),
-        (_, true) => qform(header),
-        _ => DAffine3::from_scale(spacing(header)),
-    };
-    DAffine3::from_scale(LPS_FROM_RAS * millimetres(header)) * ras_from_index
+    let millimetres = millimetres(header);
+    let lps_from_ras = DAffine3::from_scale(LPS_FROM_RAS * millimetres);
+    if let Some(ras_from_index) = sform(header) {
+        return lps_from_ras * ras_from_index;
+    }
+    match header.qform_code > 0 {
+        true => lps_from_ras * qform(header),
+        false => DAffine3::from_scale(spacing(header) * millimetres),
+    }
 }
 
 /// Millimetres in the header's unit of length.
@@ -233,12 +236,14 @@ fn millimetres(header: &NiftiHeader) -> f64 {
     }
 }
 
-/// Method 3 of nifti1.h; a column of zeros, as images of one slice have, becomes the others' normal.
-fn sform(header: &NiftiHeader) -> DAffine3 {
+/// Method 3 of nifti1.h, when it is set and can be inverted. A third column of zeros, as images of one slice have, becomes
+/// the others' normal.
+fn sform(header: &NiftiHeader) -> Option<DAffine3> {
     let rows = [header.srow_x, header.srow_y, header.srow_z].map(|row| row.map(f64::from));
     let column = |a: usize| DVec3::new(rows[0][a], rows[1][a], rows[2][a]);
-    let axis = |a: usize| Some(column(a)).filter(|c| *c != DVec3::ZERO);
-    from_axes([axis(0), axis(1), axis(2)], column(3))
+    let slices = Some(column(2)).filter(|c| *c != DVec3::ZERO);
+    let map = from_axes([Some(column(0)), Some(column(1)), slices], column(3));
+    (header.sform_code > 0 && affine::invert(&map).is_some()).then_some(map)
 }
 
 /// Method 2 of nifti1.h.
@@ -278,7 +283,7 @@ fn rescaled(voxels: Voxels, header: &NiftiHeader) -> Voxels {
     match voxels {
         Voxels::F64(v) => Voxels::F64(v.into_iter().map(|v| v * slope + intercept).collect()),
         voxels => Voxels::F32(for_type!(Voxels, voxels, v => {
-            v.into_iter().map(|v| (f64::from(v) * slope + intercept) as f32).collect()
+            v.into_iter().map(|v| (v.to_f64() * slope + intercept) as f32).collect()
         })),
     }
 }

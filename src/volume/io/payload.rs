@@ -5,7 +5,7 @@
 //! beyond the declared size.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -113,9 +113,20 @@ impl Payload<'_> {
     ) -> Result<Voxels, ReadError> {
         let compressed = remaining(file).map_err(|e| ReadError::io(self.path, e))?;
         self.check_gzip(compressed, skip)?;
-        let mut stream = Gunzip::new(file);
-        self.skip(&mut stream, skip)?;
-        self.decode(&mut stream, 0)
+        self.decode_gzip(&mut Gunzip::new(file), skip)
+    }
+
+    /// The payload of a gzip stream, `skip` decompressed bytes into it. At the stream's end its checksum is tested.
+    pub(super) fn decode_gzip<R: BufRead>(
+        &self,
+        stream: &mut Gunzip<R>,
+        skip: u64,
+    ) -> Result<Voxels, ReadError> {
+        self.skip(stream, skip)?;
+        let voxels = self.decode(stream, 0)?;
+        io::copy(&mut stream.take(1), &mut io::sink())
+            .map_err(|e| self.stream_error(e, self.bytes()))?;
+        Ok(voxels)
     }
 
     /// The payload as numbers separated by white space or commas.
