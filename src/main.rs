@@ -1,1 +1,5 @@
-fn main() {}
+//! The `vcsg` program.
+
+fn main() -> std::process::ExitCode {
+    vcsg::cli::run()
+}

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use glam::{DAffine3, DVec3};
 use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Combine, Family, Node, Shape, ValueMap, ValueRule};
+use vcsg::model::{BooleanOp, Boundary, Combine, Family, Node, Shape, ValueMap, ValueRule};
+use vcsg::projection::presets::{self, DataStatistics};
 use vcsg::projection::{Mode, Projection};
-use vcsg::scene::{Boundary, NoVolumes, Problem, Scene, SceneError, TransferChoice};
+use vcsg::scene::{NoVolumes, Scene, SceneError, TransferChoice, TransferSpec};
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse("test.kdl", text, Path::new("."), &mut NoVolumes)
@@ -227,13 +228,10 @@ render mode="mip" samples-per-voxel=2 size="640x480"
 "##,
     )
     .unwrap();
-    assert_eq!(scene.lattice.spacing_mm, Some(0.5));
+    assert_eq!(scene.target.spacing_mm, Some(0.5));
+    assert_eq!((scene.target.budget_mib, scene.target.coarsen), (64, true));
     assert_eq!(
-        (scene.lattice.budget_mib, scene.lattice.coarsen),
-        (64, true)
-    );
-    assert_eq!(
-        (scene.lattice.boundary, scene.lattice.min_block),
+        (scene.target.boundary, scene.target.min_block),
         (Boundary::Centre, Some(8))
     );
     assert_eq!(
@@ -295,283 +293,17 @@ fn a_preset_may_have_a_window() {
     );
 }
 
-/// The error of a text, with the place that it names.
-fn error(text: &str) -> (Problem, Option<(usize, usize)>) {
-    match parse(text) {
-        Err(error) => (error.problem().clone(), error.place()),
-        Ok(_) => panic!("accepted: {text}"),
-    }
-}
-
 #[test]
-fn every_mistake_is_answered_with_its_place() {
-    let in_scene = |shapes: &str| format!("scene {{\n    {shapes}\n}}\n");
-    let top = |line: &str| format!("scene {{ sphere radius=1 }}\n{line}\n");
-    for (text, place, message) in [
-        (in_scene("shpere radius=1"), (2, 5), "unknown node `shpere`"),
-        (
-            in_scene("sphere raduis=1"),
-            (2, 12),
-            "`sphere` has no property `raduis`",
-        ),
-        (
-            in_scene("sphere radius=1 radius=2"),
-            (2, 21),
-            "`radius` is given twice",
-        ),
-        (
-            in_scene("sphere"),
-            (2, 5),
-            "`sphere` needs the property `radius`",
-        ),
-        (
-            in_scene("sphere radius=-1"),
-            (2, 12),
-            "`radius` is -1; it must be above 0",
-        ),
-        (
-            in_scene("sphere radius=#nan"),
-            (2, 12),
-            "`radius` is #nan; it must be a finite number",
-        ),
-        (
-            in_scene("sphere radius=#inf"),
-            (2, 12),
-            "`radius` is #inf; it must be a finite number",
-        ),
-        (
-            in_scene("sphere radius=1e999"),
-            (2, 12),
-            "`radius` is #inf; it must be a finite number",
-        ),
-        (
-            in_scene("sphere radius=1 value=1e39"),
-            (2, 21),
-            "it must be at most 3.4e38 in size",
-        ),
-        (
-            in_scene("sphere radius=\"1\""),
-            (2, 12),
-            "it must be a finite number",
-        ),
-        (
-            in_scene("sphere radius=1 center=\"0 nan 0\""),
-            (2, 21),
-            "it must be a string of 3 finite numbers",
-        ),
-        (
-            in_scene("sphere radius=1 center=\"0 0\""),
-            (2, 21),
-            "it must be a string of 3 finite numbers",
-        ),
-        (
-            in_scene("sphere radius=1 { box }"),
-            (2, 5),
-            "`sphere` has no children",
-        ),
-        (
-            in_scene("box min=\"0 0 0\" max=\"1 1 0\""),
-            (2, 21),
-            "it must be above `min` on each axis",
-        ),
-        (
-            in_scene("half-space normal=\"0 0 0\""),
-            (2, 16),
-            "it must be a direction, not of length 0",
-        ),
-        (
-            in_scene("union"),
-            (2, 5),
-            "`union` needs at least one child, and has 0",
-        ),
-        (
-            in_scene("subtract { sphere radius=1 }"),
-            (2, 5),
-            "`subtract` needs at least two children, and has 1",
-        ),
-        (
-            in_scene("union rule=\"frist\" { sphere radius=1 }"),
-            (2, 11),
-            "it must be one of first, second",
-        ),
-        (
-            in_scene("union rule=\"blend 2\" { sphere radius=1 }"),
-            (2, 11),
-            "with a share in 0..1",
-        ),
-        (
-            in_scene("translate { sphere radius=1 }"),
-            (2, 5),
-            "`translate` takes 1 argument(s), and 0 are given",
-        ),
-        (
-            in_scene("translate 1 2 3 { sphere radius=1 }"),
-            (2, 17),
-            "`translate` takes 1 argument(s), and 3 are given",
-        ),
-        (
-            in_scene("scale 0 { sphere radius=1 }"),
-            (2, 5),
-            "`scale` squeezes space flat",
-        ),
-        (
-            in_scene("matrix \"1 0 0 0 1 0 0 0 0 0 1 0\" { sphere radius=1 }"),
-            (2, 5),
-            "`matrix` squeezes space flat",
-        ),
-        (
-            in_scene("shear xy=1 yx=1 { sphere radius=1 }"),
-            (2, 5),
-            "`shear` squeezes space flat",
-        ),
-        (
-            in_scene("map cubic { sphere radius=1 }"),
-            (2, 9),
-            "it must be one of linear, quadratic, table",
-        ),
-        (
-            in_scene("map linear a=1 { sphere radius=1 }"),
-            (2, 16),
-            "`scale` and `offset` are of a linear map",
-        ),
-        (
-            in_scene("map table { at 1 0; at 1 1; sphere radius=1 }"),
-            (2, 28),
-            "it must be above the point before it",
-        ),
-        (
-            in_scene("map table { sphere radius=1 }"),
-            (2, 5),
-            "at least one point `at INPUT OUTPUT`",
-        ),
-        (
-            in_scene("use \"a\""),
-            (2, 9),
-            "nothing named `a` is defined above this line",
-        ),
-        (
-            in_scene("define a { use a }"),
-            (2, 20),
-            "nothing named `a` is defined above this line",
-        ),
-        (in_scene("include \"missing.kdl\""), (2, 13), "cannot read"),
-        (
-            in_scene("volume \"head.nii.gz\""),
-            (2, 12),
-            "cannot load the volume",
-        ),
-        (
-            in_scene("volume \"a.raw\" dims=\"1 2\" type=\"u8\""),
-            (2, 20),
-            "it must be a string of 3 finite numbers",
-        ),
-        (
-            in_scene("volume \"a.raw\" dims=\"1 2 0\" type=\"u8\""),
-            (2, 20),
-            "three whole numbers above 0",
-        ),
-        (
-            in_scene("volume \"a.raw\" dims=\"1 2 3\""),
-            (2, 5),
-            "`volume` needs the property `type`",
-        ),
-        (
-            in_scene("volume \"a.raw\" type=\"u8\""),
-            (2, 20),
-            "go with `dims`",
-        ),
-        (
-            in_scene("volume \"a.nrrd\" inside=\"80\""),
-            (2, 21),
-            "a window like",
-        ),
-        (
-            in_scene("volume \"a.nrrd\" inside=\"9..1\""),
-            (2, 21),
-            "a window like",
-        ),
-        (
-            in_scene("point 0 opacity=0 color=\"#000000\""),
-            (2, 5),
-            "unknown node `point`",
-        ),
-        (
-            "view azimuth=1\n".into(),
-            (1, 1),
-            "there is no `scene` node",
-        ),
-        (String::new(), (1, 1), "there is no `scene` node"),
-        (
-            top("scene { sphere radius=1 }"),
-            (2, 1),
-            "`scene` is given twice",
-        ),
-        (top("veiw azimuth=1"), (2, 1), "unknown node `veiw`"),
-        (top("view fov=20"), (2, 6), "`fov` goes with"),
-        (top("view zoom=0"), (2, 6), "in 0.001..10000"),
-        (
-            top("light towards=\"0 0 -1\"\n").repeat(1) + &"light towards=\"0 0 -1\"\n".repeat(5),
-            (8, 1),
-            "more than 5 lights",
-        ),
-        (
-            top("transfer preset=\"ct-bnoe\""),
-            (2, 10),
-            "unknown preset `ct-bnoe`",
-        ),
-        (
-            top("transfer { point 1 opacity=2 color=\"#000000\" }"),
-            (2, 20),
-            "`opacity` is 2; it must be in 0..1",
-        ),
-        (
-            top("transfer { point 1 opacity=1 color=\"red\" }"),
-            (2, 30),
-            "a colour like",
-        ),
-        (
-            top("transfer preset=\"ct-bone\" window=3"),
-            (2, 1),
-            "`window` and `level` go together",
-        ),
-        (
-            top(
-                "transfer { point 2 opacity=1 color=\"#000000\"; point 1 opacity=1 color=\"#000000\" }",
-            ),
-            (2, 1),
-            "transfer function: point 1",
-        ),
-        (
-            top("render mode=\"fancy\""),
-            (2, 8),
-            "it must be one of composite, mip",
-        ),
-        (top("render size=\"0x7\""), (2, 8), "a size like"),
-        (
-            top("background \"blue\""),
-            (2, 12),
-            "\"transparent\" or a colour",
-        ),
-        (top("material shininess=3"), (2, 10), "a power of two"),
-        (top("view azimuth=true"), (2, 14), ""),
-        (
-            "scene {\n  union {\n sphere radius=1\n}\n".into(),
-            (1, 7),
-            "this `{` is never closed",
-        ),
-    ] {
-        let (problem, found) = error(&text);
-        assert_eq!(found, Some(place), "{problem}\n{text}");
-        assert!(problem.to_string().contains(message), "{problem}\n{text}");
-    }
-}
-
-#[test]
-fn a_misspelt_name_is_answered_with_the_right_one_and_the_line() {
-    let error = parse("scene {\n    shpere radius=1\n}\n").unwrap_err();
-    assert_eq!(error.to_string(), "test.kdl:2:5: unknown node `shpere`");
-    let shown = format!("{:?}", miette::Report::new(error));
-    for part in ["shpere radius=1", "did you mean `sphere`?", "test.kdl:2:5"] {
-        assert!(shown.contains(part), "{shown}");
-    }
+fn a_target_is_known_by_its_covered_values_only() {
+    let scene = parse(
+        "scene spacing=1 { box min=\"0 0 0\" max=\"40 40 40\" value=-1000; box min=\"60 0 0\" max=\"70 40 40\" value=500 }",
+    );
+    let scene = scene.unwrap();
+    let target = scene.target.build(&scene.model).unwrap();
+    let data = DataStatistics::of_target(&target).unwrap();
+    assert_eq!((data.min, data.max), (-1000.0, 500.0));
+    assert_eq!((data.low, data.high), (-1000.0, 500.0));
+    let function = TransferSpec::AUTOMATIC.function(&data, 100.0);
+    let ct = presets::named("ct-muscle-bone").unwrap();
+    assert_eq!(function, ct.transfer_function(ct.range(), 1.0));
 }

@@ -5,7 +5,7 @@ use kdl::KdlDocument;
 use super::element::{Element, Value};
 use super::error::{Problem, SceneError};
 use super::grammar;
-use super::lattice::Lattice;
+use super::options::TargetOptions;
 use super::source::Source;
 use super::suggest::nearest;
 use super::transfer::{TransferChoice, TransferSpec};
@@ -21,7 +21,7 @@ type Result<T> = std::result::Result<T, SceneError>;
 /// Everything at the top of a scene file but the tree.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Appearance {
-    pub lattice: Lattice,
+    pub target: TargetOptions,
     pub transfer: Option<TransferSpec>,
     pub view: View,
     pub settings: Settings,
@@ -59,7 +59,7 @@ struct Draft {
 impl Draft {
     fn read(&mut self, element: &Element) -> Result<()> {
         match element.name() {
-            "scene" => self.appearance.lattice = Lattice::read(element)?,
+            "scene" => self.appearance.target = TargetOptions::read(element)?,
             "transfer" => self.appearance.transfer = Some(transfer(element)?),
             "view" => self.appearance.view = view(element)?,
             "light" => self.add_light(element)?,

@@ -169,13 +169,8 @@ pub enum Problem {
     #[error("transfer function: {0}")]
     Transfer(TransferError),
     /// A volume that cannot be loaded.
-    #[error("cannot load the volume {path}: {reason}")]
-    Volume {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    #[error("cannot load the volume {0}")]
+    Volume(String),
     /// An edit of a node that is not there.
     #[error("there is no node at {0:?}")]
     NoNode(Vec<usize>),

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use kdl::KdlDocument;
+use kdl::{KdlDiagnostic, KdlDocument};
 
 use super::error::{Problem, SceneError};
 use super::guard::{self, MAX_BYTES};
@@ -55,12 +55,34 @@ pub(super) fn parse(source: &Source) -> Result<KdlDocument, SceneError> {
     KdlDocument::parse_v2(source.text()).map_err(|error| syntax_error(source, &error))
 }
 
+/// The parser's first complaint, in the user's terms.
+///
+/// Braces are known to balance here, so a complaint about one follows from another mistake. A span over several lines runs
+/// from the start of an outer node to the mistake, so its end is the place.
 fn syntax_error(source: &Source, error: &kdl::KdlError) -> SceneError {
-    let first = error.diagnostics.iter().min_by_key(|d| d.span.offset());
-    let message = first
-        .and_then(|d| d.message.clone())
-        .unwrap_or_else(|| "this is not KDL".into());
-    let help = first.and_then(|d| d.help.clone());
-    let span = first.map_or((0..0).into(), |d| d.span);
-    SceneError::at(source, span, Problem::Syntax { message, help })
+    let of_brace = |d: &&KdlDiagnostic| d.message.as_ref().is_some_and(|m| m.contains('}'));
+    let mut causes = error.diagnostics.iter().filter(|d| !of_brace(d));
+    let Some(first) = causes.next().or(error.diagnostics.first()) else {
+        return SceneError::at(source, (0..0).into(), not_kdl(String::new(), None));
+    };
+    let (start, end) = (first.span.offset(), first.span.offset() + first.span.len());
+    let quoted = source.text().get(start..end).unwrap_or_default();
+    let message = match first.message.as_deref() {
+        Some("Expected end of document") | None => format!("`{quoted}` does not belong here"),
+        Some(message) => message.to_owned(),
+    };
+    let help = match quoted {
+        "true" | "false" | "null" => Some(format!("write #{quoted}, or \"{quoted}\" for a string")),
+        _ => first.help.clone(),
+    };
+    let span = if quoted.contains('\n') {
+        end..end
+    } else {
+        start..end
+    };
+    SceneError::at(source, span.into(), not_kdl(message, help))
+}
+
+fn not_kdl(message: String, help: Option<String>) -> Problem {
+    Problem::Syntax { message, help }
 }

@@ -241,3 +241,37 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::Points => &[POINT],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_document_names_every_node_and_property() {
+        let text = include_str!("../../docs/SCENE.md");
+        let documented = |name: &str, ends: &[char]| {
+            ends.iter()
+                .any(|end| text.contains(&format!("`{name}{end}")))
+        };
+        for rule in [TOP, SHAPES, AT, POINT].into_iter().flatten() {
+            assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
+            for property in rule.properties {
+                assert!(
+                    documented(property, &['`', '=']),
+                    "{} of {}",
+                    property,
+                    rule.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_document_lists_every_preset() {
+        let text = include_str!("../../docs/SCENE.md");
+        for preset in crate::projection::presets::all() {
+            let row = format!("| `{}` | {} |", preset.name(), preset.description());
+            assert!(text.contains(&row), "{row}");
+        }
+    }
+}

@@ -2,11 +2,16 @@
 
 use std::path::Path;
 
+use glam::{DAffine3, DVec3};
+
 use super::element::{Element, Value};
 use super::error::{Problem, SceneError};
-use super::loader::{RawLayout, RawVoxel, VolumeRequest};
+use super::loader::VolumeRequest;
 use crate::math::{Aabb, Interval};
 use crate::model::{Plane, Shape};
+use crate::volume::VoxelType;
+use crate::volume::io::ByteOrder;
+use crate::volume::io::raw::RawLayout;
 
 type Result<T> = std::result::Result<T, SceneError>;
 
@@ -19,7 +24,7 @@ pub(super) fn primitive(element: &Element) -> Result<Option<Shape>> {
         "sphere" => Shape::Sphere {
             center: element
                 .get("center")
-                .map_or(Ok(glam::DVec3::ZERO), |v| v.vector())?,
+                .map_or(Ok(DVec3::ZERO), |v| v.vector())?,
             radius: element.require("radius")?.positive()?,
         },
         "box" => Shape::Box(solid_box(element)?),
@@ -47,7 +52,7 @@ fn solid_box(element: &Element) -> Result<Aabb> {
 pub(super) fn plane(element: &Element) -> Result<Plane> {
     let point = element
         .get("point")
-        .map_or(Ok(glam::DVec3::ZERO), |v| v.vector())?;
+        .map_or(Ok(DVec3::ZERO), |v| v.vector())?;
     let normal = element.require("normal")?;
     Plane::through(point, normal.direction()?)
         .ok_or_else(|| normal.bad("of a plane at a finite distance"))
@@ -88,15 +93,15 @@ fn parse_window(value: Value) -> Result<Interval> {
     }
 }
 
-const RAW_VOXELS: &[(&str, RawVoxel)] = &[
-    ("u8", RawVoxel::U8),
-    ("i8", RawVoxel::I8),
-    ("u16", RawVoxel::U16),
-    ("i16", RawVoxel::I16),
-    ("u32", RawVoxel::U32),
-    ("i32", RawVoxel::I32),
-    ("f32", RawVoxel::F32),
-    ("f64", RawVoxel::F64),
+const RAW_VOXELS: &[(&str, VoxelType)] = &[
+    ("u8", VoxelType::U8),
+    ("i8", VoxelType::I8),
+    ("u16", VoxelType::U16),
+    ("i16", VoxelType::I16),
+    ("u32", VoxelType::U32),
+    ("i32", VoxelType::I32),
+    ("f32", VoxelType::F32),
+    ("f64", VoxelType::F64),
 ];
 
 /// The layout of a headerless file: all of it or nothing is said.
@@ -115,22 +120,29 @@ fn raw_layout(element: &Element) -> Result<Option<RawLayout>> {
             None => Ok(None),
         };
     };
-    let spacing_mm = element.get("spacing").map_or(Ok([1.0; 3]), |v| {
-        let numbers = v.numbers()?;
-        if numbers.iter().all(|&n: &f64| n > 0.0) {
-            Ok(numbers)
-        } else {
-            Err(v.bad("above 0 on each axis"))
-        }
-    })?;
+    let orders = [("little", ByteOrder::Little), ("big", ByteOrder::Big)];
     Ok(Some(RawLayout {
         dims: raw_dims(dims)?,
         voxel: element.require("type")?.one_of(RAW_VOXELS)?,
-        spacing_mm,
-        big_endian: element
+        order: element
             .get("endian")
-            .map_or(Ok(false), |v| v.one_of(&[("little", false), ("big", true)]))?,
+            .map_or(Ok(ByteOrder::Little), |v| v.one_of(&orders))?,
+        offset: 0,
+        world_from_index: DAffine3::from_scale(raw_spacing(element)?),
     }))
+}
+
+/// Distances between voxels, millimetres; 1 unless said.
+fn raw_spacing(element: &Element) -> Result<DVec3> {
+    let Some(value) = element.get("spacing") else {
+        return Ok(DVec3::ONE);
+    };
+    let spacing = value.vector()?;
+    if spacing.cmpgt(DVec3::ZERO).all() {
+        Ok(spacing)
+    } else {
+        Err(value.bad("above 0 on each axis"))
+    }
 }
 
 fn raw_dims(value: Value) -> Result<[usize; 3]> {

@@ -25,10 +25,10 @@ mod error;
 mod file;
 mod grammar;
 mod guard;
-mod lattice;
 mod leaves;
 mod loader;
 mod maps;
+mod options;
 mod source;
 mod suggest;
 mod transfer;
@@ -41,14 +41,14 @@ pub use appearance::{MODES, parse_size};
 pub use edit::with_property;
 pub use error::{Problem, SceneError};
 pub use guard::{MAX_BYTES, MAX_DEPTH};
-pub use lattice::{Boundary, Lattice};
-pub use loader::{NoVolumes, RawLayout, RawVoxel, VolumeLoader, VolumeRequest};
+pub use loader::{NoVolumes, VolumeFiles, VolumeLoader, VolumeRequest};
+pub use options::TargetOptions;
 pub use source::Source;
 pub use transfer::{TransferChoice, TransferSpec};
 
 use crate::math::Interval;
 use crate::model::{Model, Node, VolumeLeaf};
-use crate::projection::{Settings, View};
+use crate::projection::{Projection, Settings, View};
 use appearance::Appearance;
 use tree::{TreeBuilder, scene_element};
 
@@ -57,8 +57,8 @@ use tree::{TreeBuilder, scene_element};
 pub struct Scene {
     /// The VCSG tree, in world millimetres (LPS).
     pub model: Model,
-    /// How the target lattice is chosen.
-    pub lattice: Lattice,
+    /// How its target is built.
+    pub target: TargetOptions,
     /// The transfer function; one that suits the data when `None`.
     pub transfer: Option<TransferSpec>,
     /// Where it is seen from.
@@ -112,41 +112,36 @@ impl Scene {
             path: path.to_owned(),
             raw: None,
         };
-        let bricks = loader.load(&request).map_err(|reason| {
-            let path = request.path.clone();
-            SceneError::of_file(
-                &path.to_string_lossy(),
-                Problem::Volume {
-                    path: path.clone(),
-                    reason,
-                },
-            )
-        })?;
+        let fails = |reason| SceneError::of_file(&path.to_string_lossy(), Problem::Volume(reason));
+        let bricks = loader.load(&request).map_err(fails)?;
         let mut model = Model::default();
         model.push(Node::Volume(VolumeLeaf {
             bricks,
             window: Interval::ALL,
         }));
-        let text = format!(
-            "scene {{\n    volume {}\n}}\n",
-            kdl::KdlValue::from(path.to_string_lossy().into_owned())
-        );
-        Ok(Self::assembled(
-            model,
-            Appearance::default(),
-            Source::new("scene.kdl", text),
-        ))
+        let name = kdl::KdlValue::from(path.to_string_lossy().into_owned());
+        let source = Source::new("scene.kdl", format!("scene {{\n    volume {name}\n}}\n"));
+        let mut scene = Self::assembled(model, Appearance::default(), source);
+        scene.set_view(Self::BARE_VIEW)?;
+        Ok(scene)
     }
+
+    /// How a bare volume is seen: from the front, a little from the left and above.
+    const BARE_VIEW: View = View {
+        azimuth_deg: 30.0,
+        elevation_deg: 15.0,
+        roll_deg: 0.0,
+        zoom: 1.2,
+        focus: None,
+        projection: Projection::Orthographic,
+    };
 
     /// The scene at `path`: a scene file if it ends in `.kdl`, else a bare volume.
     ///
     /// # Errors
     /// Those of [`Scene::load`] and [`Scene::of_volume`].
     pub fn open(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
-        let is_scene = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("kdl"));
-        if is_scene {
+        if is_scene_file(path) {
             Self::load(path, loader)
         } else {
             Self::of_volume(path, loader)
@@ -163,7 +158,7 @@ impl Scene {
     fn assembled(model: Model, appearance: Appearance, source: Source) -> Self {
         Self {
             model,
-            lattice: appearance.lattice,
+            target: appearance.target,
             transfer: appearance.transfer,
             view: appearance.view,
             settings: appearance.settings,
@@ -191,4 +186,10 @@ impl Scene {
     pub fn source(&self) -> &Source {
         &self.source
     }
+}
+
+/// Whether `path` is named like a scene file: it ends in `.kdl`.
+pub fn is_scene_file(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("kdl"))
 }

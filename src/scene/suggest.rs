@@ -2,7 +2,7 @@
 
 /// The name in `known` that is nearest to `found` by edit distance, if it is near enough to be meant.
 pub(super) fn nearest(found: &str, known: &[&'static str]) -> Option<&'static str> {
-    let allowed = (found.chars().count() / 3).max(1);
+    let allowed = (found.chars().count() / 3).clamp(1, 4);
     known
         .iter()
         .map(|&name| (edit_distance(found, name), name))

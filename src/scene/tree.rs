@@ -121,10 +121,8 @@ impl<'l> TreeBuilder<'l> {
     fn volume(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
         let window = leaves::window(&element)?;
         let request = leaves::volume_request(&element, &scope.base_dir)?;
-        let bricks = self.load(&request).map_err(|reason| {
-            let path = request.path.clone();
-            element.error_of_argument(0, Problem::Volume { path, reason })
-        })?;
+        let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
+        let bricks = self.load(&request).map_err(fails)?;
         Ok(self.model.push(Node::Volume(VolumeLeaf { bricks, window })))
     }
 

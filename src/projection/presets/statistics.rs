@@ -1,6 +1,9 @@
 //! What a preset needs to know of the data.
 
+use rayon::prelude::*;
+
 use crate::math::Interval;
+use crate::target::{Block, RowEvaluator, Target};
 
 /// Extremes and percentiles of a volume's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +39,25 @@ impl DataStatistics {
         })
     }
 
+    /// The statistics of a target's covered voxels, from whole rows that are spread evenly over its blocks. `None` when the
+    /// target is empty.
+    pub fn of_target(target: &Target) -> Option<Self> {
+        let voxels: usize = target
+            .blocks
+            .iter()
+            .map(|b| b.extent.iter().product::<usize>())
+            .sum();
+        let stride = voxels.div_ceil(Self::SAMPLE).max(1);
+        let rows = target
+            .blocks
+            .par_iter()
+            .flat_map_iter(|block| sampled_rows(target, block, stride));
+        Self::of_sample(rows.flatten().collect())
+    }
+
+    /// About how many voxels of a target are looked at.
+    const SAMPLE: usize = 1 << 20;
+
     /// The window that shows most of the data: between the percentiles; where they coincide, between the extremes; round
     /// the value when all are the same.
     pub fn window(&self) -> Interval {
@@ -52,6 +74,28 @@ impl DataStatistics {
     pub fn looks_like_ct(&self) -> bool {
         (-4096.0..=-900.0).contains(&self.min) && self.max > 300.0
     }
+}
+
+/// The covered values of every `stride`-th row of a block, but at least of one.
+fn sampled_rows<'a>(
+    target: &'a Target,
+    block: &'a Block,
+    stride: usize,
+) -> impl Iterator<Item = Vec<f32>> + use<'a> {
+    let [width, height, depth] = block.extent;
+    let columns = block.origin[0]..block.origin[0] + width;
+    let mut evaluator = RowEvaluator::new(&target.tree);
+    let middle = (height * depth / 2) % stride.min(height * depth);
+    (middle..height * depth).step_by(stride).map(move |n| {
+        let row = [block.origin[1] + n % height, block.origin[2] + n / height];
+        let (premultiplied, coverage) =
+            evaluator.evaluate(target.path(block), columns.clone(), row);
+        let samples = premultiplied.iter().zip(coverage);
+        samples
+            .filter(|(_, c)| **c > 0.0)
+            .map(|(v, c)| v / c)
+            .collect()
+    })
 }
 
 #[cfg(test)]

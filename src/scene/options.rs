@@ -2,21 +2,13 @@
 
 use super::element::Element;
 use super::error::SceneError;
+use crate::model::{Boundary, Model};
+use crate::target::{Subdivision, Target, TargetError};
 
-/// What is done where a smallest block lies across a node's boundary (VCSG §3.1).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Boundary {
-    /// Each voxel is tested.
-    #[default]
-    Exact,
-    /// The block's centre decides for all of it.
-    Centre,
-}
-
-/// The target lattice that a scene asks for.
+/// The target that a scene asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lattice {
-    /// Distance between samples, millimetres; the finest leaf's when `None`.
+pub struct TargetOptions {
+    /// Distance between samples, millimetres; the model's own when `None`.
     pub spacing_mm: Option<f64>,
     /// The most memory that the target's blocks may take, MiB.
     pub budget_mib: u32,
@@ -28,7 +20,7 @@ pub struct Lattice {
     pub min_block: Option<u32>,
 }
 
-impl Default for Lattice {
+impl Default for TargetOptions {
     fn default() -> Self {
         Self {
             spacing_mm: None,
@@ -40,7 +32,7 @@ impl Default for Lattice {
     }
 }
 
-impl Lattice {
+impl TargetOptions {
     /// The options of a `scene` node.
     pub(super) fn read(scene: &Element) -> Result<Self, SceneError> {
         let default = Self::default();
@@ -56,17 +48,42 @@ impl Lattice {
             boundary: scene
                 .get("boundary")
                 .map_or(Ok(default.boundary), |v| v.one_of(&boundaries))?,
-            min_block: scene
-                .get("min-block")
-                .map(|v| {
-                    let edge = v.whole(2, 256)?;
-                    if edge.is_power_of_two() {
-                        Ok(edge)
-                    } else {
-                        Err(v.bad("a power of two"))
-                    }
-                })
-                .transpose()?,
+            min_block: scene.get("min-block").map(min_block).transpose()?,
         })
+    }
+
+    /// The subdivision that they ask for.
+    pub fn subdivision(&self) -> Subdivision {
+        let default = Subdivision::default();
+        Subdivision {
+            min_block: self
+                .min_block
+                .map_or(default.min_block, |edge| edge as usize),
+            boundary: self.boundary,
+            budget_bytes: (self.budget_mib as usize).saturating_mul(1 << 20),
+            ..default
+        }
+    }
+
+    /// The target of `model`.
+    ///
+    /// # Errors
+    /// Those of [`Target::build`]; over budget only where coarsening is not allowed.
+    pub fn build(&self, model: &Model) -> Result<Target, TargetError> {
+        let build = if self.coarsen {
+            Target::build_coarsened
+        } else {
+            Target::build
+        };
+        build(model, self.spacing_mm, &self.subdivision())
+    }
+}
+
+fn min_block(value: super::element::Value) -> Result<u32, SceneError> {
+    let edge = value.whole(2, 256)?;
+    if edge.is_power_of_two() {
+        Ok(edge)
+    } else {
+        Err(value.bad("a power of two"))
     }
 }

@@ -1,0 +1,142 @@
+//! `vcsg bake`: a scene's target as one volume file.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::CliError;
+use super::console::{Stages, print_json, progress};
+use super::overrides;
+use super::source::SourceArgs;
+use crate::target::{Block, BlockVoxels, Target};
+use crate::volume::io::{Encoding, write_nrrd};
+use crate::volume::{Grid, Voxels};
+
+/// Sample a scene into one volume file
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vcsg bake scene.kdl -o scene.nrrd
+  vcsg bake scene.kdl -o coarse.nrrd --spacing 2
+  vcsg bake ct-cut.kdl -o ct-cut.nrrd --outside -1024")]
+pub(super) struct Bake {
+    #[command(flatten)]
+    source: SourceArgs,
+    /// The volume, as .nrrd
+    #[arg(short, long, value_name = "VOLUME")]
+    output: PathBuf,
+    /// The value where the scene holds nothing
+    #[arg(long, value_name = "V", default_value = "0", value_parser = overrides::single, allow_negative_numbers = true)]
+    outside: f32,
+    /// Store the voxels as they are, not compressed
+    #[arg(long)]
+    raw: bool,
+    /// Print how long each stage took
+    #[arg(long)]
+    timings: bool,
+    /// Describe the volume as JSON on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+impl Bake {
+    /// Loads, samples, writes.
+    pub fn run(&self) -> Result<(), CliError> {
+        self.check_suffix()?;
+        let mut stages = Stages::default();
+        let scene = stages.time("load", || self.source.load())?;
+        let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
+        let grid = stages.time("reconstruct", || baked(&target, self.outside))?;
+        let encoding = if self.raw {
+            Encoding::Raw
+        } else {
+            Encoding::Gzip
+        };
+        stages.time("write", || write_nrrd(&self.output, &grid, encoding))?;
+        if self.timings {
+            stages.show();
+        }
+        if !self.json {
+            return Ok(());
+        }
+        print_json(&json!({
+            "volume": self.output,
+            "dims": grid.dims(),
+            "spacing_mm": target.lattice.spacing_mm().to_array(),
+            "milliseconds": stages.to_json(),
+        }))
+    }
+
+    fn check_suffix(&self) -> Result<(), CliError> {
+        match self
+            .output
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("nrrd"))
+        {
+            true => Ok(()),
+            false => Err(CliError::Usage(format!(
+                "{}: volumes are written as .nrrd",
+                self.output.display()
+            ))),
+        }
+    }
+}
+
+/// Blocks that are reconstructed before they are copied.
+const BATCH: usize = 16;
+
+/// The target's values on its lattice, `outside` where there is no coverage.
+fn baked(target: &Target, outside: f32) -> Result<Grid, CliError> {
+    let lattice = &target.lattice;
+    let mut voxels = Vec::new();
+    let what = "the volume";
+    voxels
+        .try_reserve_exact(lattice.len())
+        .map_err(|_| CliError::Memory {
+            what,
+            mib: lattice.len() >> 18,
+        })?;
+    voxels.resize(lattice.len(), outside);
+    let bar = progress("reconstruct", target.blocks.len() as u64);
+    for batch in target.blocks.chunks(BATCH) {
+        let done: Vec<_> = batch
+            .par_iter()
+            .map(|block| BlockVoxels::reconstruct(target, block, 0))
+            .collect();
+        for (block, values) in batch.iter().zip(&done) {
+            copy(&mut voxels, lattice.dims, block, values);
+        }
+        bar.inc(batch.len() as u64);
+    }
+    bar.finish_and_clear();
+    let grid = Grid::new(
+        lattice.dims,
+        lattice.world_from_lattice,
+        Voxels::F32(voxels),
+    );
+    grid.map_err(|error| CliError::Usage(error.to_string()))
+}
+
+/// Writes the covered voxels of a block to their place in the volume.
+fn copy(voxels: &mut [f32], [nx, ny, _]: [usize; 3], block: &Block, values: &BlockVoxels) {
+    let [width, height, depth] = block.extent;
+    for (n, (j, k)) in (0..depth)
+        .flat_map(|k| (0..height).map(move |j| (j, k)))
+        .enumerate()
+    {
+        let first = block.origin[0] + nx * (block.origin[1] + j + ny * (block.origin[2] + k));
+        let row = n * width..(n + 1) * width;
+        let out = &mut voxels[first..first + width];
+        match &values.coverage {
+            None => out.copy_from_slice(&values.premultiplied[row]),
+            Some(coverage) => {
+                let samples = values.premultiplied[row.clone()].iter().zip(&coverage[row]);
+                out.iter_mut()
+                    .zip(samples)
+                    .filter(|(_, (_, c))| **c > 0.0)
+                    .for_each(|(out, (v, c))| *out = v / c);
+            }
+        }
+    }
+}

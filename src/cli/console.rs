@@ -1,0 +1,76 @@
+//! What goes to stdout and stderr.
+
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use super::CliError;
+
+/// Prints `text` and a line end to stdout.
+///
+/// # Errors
+/// If stdout cannot be written, for one because its reader went away.
+pub(super) fn print(text: &str) -> Result<(), CliError> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "{text}")
+        .and_then(|()| out.flush())
+        .map_err(CliError::Stdout)
+}
+
+/// Prints `value` as indented JSON to stdout.
+///
+/// # Errors
+/// If stdout cannot be written.
+pub(super) fn print_json(value: &impl Serialize) -> Result<(), CliError> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| CliError::Stdout(e.into()))?;
+    print(&text)
+}
+
+/// A bar on stderr for `length` steps of `what`; nothing where stderr is no terminal.
+pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix:>12} {bar:40} {percent:>3} %  {elapsed}");
+    let bar = ProgressBar::new(length).with_prefix(what);
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// How long each stage of a command took, in order.
+#[derive(Debug, Default)]
+pub(super) struct Stages(Vec<(&'static str, Duration)>);
+
+impl Stages {
+    /// Does `work` as the stage `name`.
+    pub fn time<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let done = work();
+        self.add(name, start.elapsed());
+        done
+    }
+
+    /// Adds a stage that was timed elsewhere.
+    pub fn add(&mut self, name: &'static str, time: Duration) {
+        self.0.push((name, time));
+    }
+
+    /// Each stage's milliseconds, for `--json`.
+    pub fn to_json(&self) -> serde_json::Value {
+        let milliseconds = |t: &Duration| serde_json::Value::from(t.as_secs_f64() * 1e3);
+        self.0
+            .iter()
+            .map(|(name, time)| ((*name).to_owned(), milliseconds(time)))
+            .collect()
+    }
+
+    /// Writes the stages to stderr.
+    pub fn show(&self) {
+        let total = self.0.iter().map(|(_, time)| *time).sum();
+        for (name, time) in self.0.iter().copied().chain([("total", total)]) {
+            let line = format!("{name:>12} {:>9.1} ms\n", time.as_secs_f64() * 1e3);
+            let _ = io::stderr().write_all(line.as_bytes());
+        }
+    }
+}

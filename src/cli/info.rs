@@ -1,0 +1,114 @@
+//! `vcsg info`: what a scene or a volume holds.
+
+use std::path::Path;
+
+use clap::Args;
+use serde_json::json;
+
+use super::CliError;
+use super::console::{print, print_json};
+use super::job::model_bounds;
+use super::source::SourceArgs;
+use crate::model::Node;
+use crate::scene::Scene;
+use crate::target::Target;
+use crate::volume::io::{self, VolumeInfo};
+
+/// Describe a scene or a volume
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vcsg info head.nii.gz
+  vcsg info scene.kdl
+  vcsg info --json head.nrrd")]
+pub(super) struct Info {
+    #[command(flatten)]
+    source: SourceArgs,
+    /// Describe it as JSON on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+impl Info {
+    /// Prints the description.
+    pub fn run(&self) -> Result<(), CliError> {
+        let path = &self.source.path;
+        if crate::scene::is_scene_file(path) {
+            self.scene()
+        } else {
+            self.volume(path)
+        }
+    }
+
+    fn volume(&self, path: &Path) -> Result<(), CliError> {
+        let info = io::read(path)?.info();
+        if self.json {
+            print_json(&json!({ "volumes": [info] }))
+        } else {
+            print(&volume_text(&info))
+        }
+    }
+
+    fn scene(&self) -> Result<(), CliError> {
+        let scene = self.source.load()?;
+        let target = scene.target.build(&scene.model)?;
+        let summary = summary(&scene, &target);
+        if self.json {
+            print_json(&json!({ "scene": summary }))
+        } else {
+            print(&scene_text(&summary))
+        }
+    }
+}
+
+fn volume_text(info: &VolumeInfo) -> String {
+    let [nx, ny, nz] = info.dims;
+    let [sx, sy, sz] = info.spacing;
+    let [ox, oy, oz] = info.origin;
+    let [dx, dy, dz] = [0, 3, 6].map(|i| format!("{:?}", &info.direction[i..i + 3]));
+    let missing = match info.non_finite {
+        0 => String::new(),
+        n => format!("\nnot finite {n} voxels"),
+    };
+    format!(
+        "format     {}\nsize       {nx} x {ny} x {nz} voxels of {}, {} frame(s)\nspacing    {sx} x {sy} x {sz} mm\norigin     {ox} {oy} {oz} mm (LPS)\ndirection  {dx} {dy} {dz}\nvalues     {} to {}, mean {:.4}{missing}",
+        info.format,
+        info.voxel.name(),
+        info.frames,
+        info.min,
+        info.max,
+        info.mean,
+    )
+}
+
+fn summary(scene: &Scene, target: &Target) -> serde_json::Value {
+    let bounds = model_bounds(scene);
+    let volumes = scene
+        .model
+        .nodes()
+        .iter()
+        .filter(|n| matches!(n, Node::Volume(_)))
+        .count();
+    json!({
+        "nodes": scene.model.nodes().len(),
+        "volume_nodes": volumes,
+        "bounds_mm": [bounds.min.to_array(), bounds.max.to_array()],
+        "lattice": target.lattice.dims,
+        "spacing_mm": target.lattice.spacing_mm().to_array(),
+        "blocks": target.blocks.len(),
+        "paths": target.paths.len(),
+        "value_range": [target.value_range.lo, target.value_range.hi],
+    })
+}
+
+fn scene_text(summary: &serde_json::Value) -> String {
+    let line = |(name, value): (&String, &serde_json::Value)| {
+        format!("{:<13} {value}", name.replace('_', " "))
+    };
+    let lines: Vec<_> = summary
+        .as_object()
+        .into_iter()
+        .flatten()
+        .map(line)
+        .collect();
+    lines.join("\n")
+}

@@ -1,0 +1,52 @@
+//! The command line: one file a subcommand.
+//!
+//! Machine output goes to stdout with `--json`, messages and progress to stderr; the exit code is 0 only on success.
+
+mod bake;
+mod console;
+mod devices;
+mod error;
+mod info;
+mod job;
+mod overrides;
+mod render;
+mod source;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+pub use error::CliError;
+
+/// Model with volumes: combine scans and solids in a Volumetric CSG tree, and draw it with Vulkan.
+#[derive(Debug, Parser)]
+#[command(name = "vcsg", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(Box<render::Render>),
+    Info(info::Info),
+    Bake(bake::Bake),
+    Devices(devices::Devices),
+}
+
+/// Runs the command that the process was started with.
+pub fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Render(render) => render.run(),
+        Command::Info(info) => info.run(),
+        Command::Bake(bake) => bake.run(),
+        Command::Devices(devices) => devices.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            error.show();
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! `vcsg render`: a frame to a file.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::CliError;
+use super::console::{Stages, print_json};
+use super::job::{Renderer, model_bounds, transfer_function};
+use super::overrides::Overrides;
+use super::source::SourceArgs;
+use crate::gpu::{DeviceSelector, Validation};
+use crate::image::{FileFormat, Frame, save};
+use crate::projection::FrameSpec;
+use crate::scene::Scene;
+use crate::target::Target;
+
+/// Draw a scene or a volume into a picture
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vcsg render head.nii.gz -o head.png
+  vcsg render scene.kdl -o scene.png --size 1920x1080 --azimuth 30 --elevation 15
+  vcsg render ct.nrrd -o bone.png --preset ct-bone --background transparent
+  vcsg render mra.nii.gz -o mip.exr --mode mip --perspective 30
+  vcsg render scene.kdl -o truth.png --renderer reference --size 320x240")]
+pub(super) struct Render {
+    #[command(flatten)]
+    source: SourceArgs,
+    /// The picture: .png (8 bits, straight alpha) or .exr (float, premultiplied)
+    #[arg(short, long, value_name = "FRAME")]
+    output: PathBuf,
+    /// What draws: slices on a Vulkan device, or the slow reference on the processor
+    #[arg(long, default_value = "slices")]
+    renderer: RendererName,
+    /// The Vulkan device: an index, part of a name, or uuid:…; `vcsg devices` lists them
+    #[arg(long, value_name = "DEVICE", default_value = "default")]
+    device: DeviceSelector,
+    /// Have Vulkan's validation layer watch; any message is an error
+    #[arg(long)]
+    validation: bool,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Print how long each stage took
+    #[arg(long)]
+    timings: bool,
+    /// Describe the frame as JSON on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum RendererName {
+    Slices,
+    Reference,
+}
+
+/// The size of a frame that nobody gave one.
+const DEFAULT_SIZE: [u32; 2] = [1024, 768];
+
+impl Render {
+    /// Loads, draws, writes.
+    pub fn run(&self) -> Result<(), CliError> {
+        // A name that cannot be written is known before the work is done.
+        FileFormat::of(&self.output)?;
+        let mut stages = Stages::default();
+        let mut scene = stages.time("load", || self.source.load())?;
+        self.overrides.apply(&mut scene)?;
+        let mut renderer = stages.time("device", || self.renderer())?;
+        let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
+        let frame = draw(&scene, &target, &mut renderer, &mut stages)?;
+        stages.time("write", || {
+            save(&frame, &self.output, &[("Software", "vcsg")])
+        })?;
+        if self.timings {
+            stages.show();
+        }
+        if self.json {
+            print_json(&self.description(&frame, &target, &renderer, &stages))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn renderer(&self) -> Result<Renderer, CliError> {
+        let validation = if self.validation {
+            Validation::On
+        } else {
+            Validation::Off
+        };
+        match self.renderer {
+            RendererName::Slices => Renderer::on_device(&self.device, validation),
+            RendererName::Reference => Ok(Renderer::Reference),
+        }
+    }
+
+    fn description(
+        &self,
+        frame: &Frame,
+        target: &Target,
+        renderer: &Renderer,
+        stages: &Stages,
+    ) -> serde_json::Value {
+        json!({
+            "frame": self.output,
+            "size": [frame.width(), frame.height()],
+            "device": renderer.device_name(),
+            "lattice": target.lattice.dims,
+            "spacing_mm": target.lattice.spacing_mm().to_array(),
+            "blocks": target.blocks.len(),
+            "value_range": [target.value_range.lo, target.value_range.hi],
+            "milliseconds": stages.to_json(),
+        })
+    }
+}
+
+fn draw(
+    scene: &Scene,
+    target: &Target,
+    renderer: &mut Renderer,
+    stages: &mut Stages,
+) -> Result<Frame, CliError> {
+    let transfer = stages.time("transfer", || transfer_function(scene, target));
+    let camera = scene.view.camera(
+        &model_bounds(scene),
+        scene.frame_size.unwrap_or(DEFAULT_SIZE),
+    );
+    let spec = FrameSpec {
+        target,
+        transfer: &transfer,
+        camera: &camera,
+        settings: &scene.settings,
+    };
+    let frame = renderer.draw(&spec, stages)?;
+    let [r, g, b, alpha] = scene.settings.background;
+    Ok(if alpha > 0.0 {
+        frame.over([r, g, b])
+    } else {
+        frame
+    })
+}

@@ -1,0 +1,36 @@
+//! The scene or volume that a command works on, and how its target is built.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::CliError;
+use crate::scene::{Scene, VolumeFiles};
+
+/// What is read, and what is changed of how its target is built.
+#[derive(Debug, Args)]
+pub(super) struct SourceArgs {
+    /// A scene file (.kdl), or a volume file (.nrrd, .nhdr, .nii, .nii.gz, .hdr)
+    #[arg(value_name = "SCENE|VOLUME")]
+    pub path: PathBuf,
+    /// Distance between samples, millimetres
+    #[arg(long, value_name = "MM", value_parser = super::overrides::positive)]
+    spacing: Option<f64>,
+    /// The most memory for target blocks
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u32).range(1..))]
+    budget_mib: Option<u32>,
+    /// Make a target beyond the budget coarser instead of refusing it
+    #[arg(long)]
+    coarsen: bool,
+}
+
+impl SourceArgs {
+    /// The scene, with the options that were given in place of its own.
+    pub fn load(&self) -> Result<Scene, CliError> {
+        let mut scene = Scene::open(&self.path, &mut VolumeFiles)?;
+        scene.target.spacing_mm = self.spacing.or(scene.target.spacing_mm);
+        scene.target.budget_mib = self.budget_mib.unwrap_or(scene.target.budget_mib);
+        scene.target.coarsen |= self.coarsen;
+        Ok(scene)
+    }
+}
