@@ -46,6 +46,9 @@ pub(super) fn messenger_info(messages: &Messages) -> vk::DebugUtilsMessengerCrea
 }
 
 /// The messenger's callback: keeps the text.
+///
+/// # Safety
+/// Called by Vulkan alone, with its own callback data and the pointer that [`messenger_info`] was given.
 unsafe extern "system" fn collect(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,

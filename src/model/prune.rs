@@ -2,9 +2,10 @@
 //!
 //! *Theory.* A block entirely within a node's box needs no test of that box any more; one entirely outside skips the node's
 //! subtree; one that is partly inside must be split, and its parts go on from what is already known.
-//! *Changes from the paper.* Nodes that cannot matter for another reason go too: a full operand hides what is united behind
-//! it, subtracting it leaves nothing, a value window may admit nothing. Ranges of value and coverage are computed on the way.
-//! Every rule keeps the samples' bits (design law 1).
+//! *Changes from the paper.* The block is tested at the leaves, by their own shape, and at the cuts; what becomes of inner nodes
+//! follows from their operands, so no node's box is tested that is only the hull of others. Nodes that cannot matter for
+//! another reason go too: a full operand hides what is united behind it, subtracting it leaves nothing, a value window may
+//! admit nothing. Ranges of value and coverage are computed on the way. Every rule keeps the samples' bits (design law 1).
 //! *Practice.* The path is pruned from the parent block's path, never from the whole tree again.
 
 use glam::DVec3;

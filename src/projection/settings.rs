@@ -8,11 +8,11 @@ pub enum Mode {
     /// Emission and absorption through the transfer function.
     #[default]
     Composite,
-    /// Largest value, then the transfer function's colour ramp as greys of the window.
+    /// Largest value, as a grey of the transfer function's window.
     Mip,
-    /// Smallest value.
+    /// Smallest value, as a grey of the window.
     MinIp,
-    /// Mean value over the covered length.
+    /// Mean value over the covered length, as a grey of the window.
     Average,
     /// Emission without absorption.
     Additive,

@@ -1,4 +1,8 @@
 //! Which parts of the target a transfer function shows.
+//!
+//! *Changes from the paper.* VCSG draws every block that the tree reaches; here only those cubes of a block are drawn whose
+//! value ranges ([`CellRanges`]) are not invisible throughout.
+//! *Practice.* Opaque table entries are counted once in a running sum, so asking for a range of values costs two look-ups.
 
 use super::TransferTable;
 use crate::math::{Interval, Viewpoint};

@@ -1,4 +1,7 @@
-//! The trait that grids, analytic truths, primitives, the tree and the built target share.
+//! Samples, and the trait of all that can be sampled in the world.
+//!
+//! *Practice.* Bricks and closed-form truths are [`Field`]s, so that what is sampled can be held against what is known. A
+//! [`Tree`](crate::model::Tree) gives [`Sample`]s too, but at points of a frame of its own.
 
 use glam::DVec3;
 
