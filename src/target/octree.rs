@@ -171,7 +171,10 @@ impl Target {
         flat.nodes.push(OctreeNode::Empty);
         flat.place(subtree, 0, lattice.dims);
         // Of the whole and not of the blocks: pictures are made of fractions of it, and must not depend on the subdivision.
-        let value_range = tree.prune(tree.steps(), &lattice.centres(), None).range.value;
+        let value_range = tree
+            .prune(tree.steps(), &lattice.centres(), None)
+            .range
+            .value;
         Ok(Self {
             octree: Octree {
                 root,

@@ -27,7 +27,7 @@ pub fn voxels(dims: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
 }
 
 /// Every voxel that a block's picture can depend on has `tree`'s sample in the block, and voxels in no block are empty.
-fn blocks_follow(target: &Target, tree: &Tree) -> Result<(), String> {
+pub fn blocks_follow(target: &Target, tree: &Tree) -> Result<(), String> {
     for block in &target.blocks {
         block_follows(target, block, tree)?;
     }

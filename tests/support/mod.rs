@@ -9,13 +9,15 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
-/// `cases` random cases. Failures are shown in full, so none are kept in files.
+/// `cases` random cases, or more where the environment's `PROPTEST_CASES` is above its default of 256: 2560 makes ten times
+/// as many. Failures are shown in full, so none are kept in files.
 pub fn cases(cases: u32) -> ProptestConfig {
+    let default = ProptestConfig::default();
     ProptestConfig {
-        cases,
+        cases: (cases * default.cases).div_ceil(256),
         failure_persistence: None,
         max_shrink_iters: 400,
-        ..ProptestConfig::default()
+        ..default
     }
 }
 

@@ -1,5 +1,7 @@
 //! Random models on lattices of at most some 30,000 voxels.
 
+use std::fmt;
+
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use vcsg::math::Aabb;
@@ -85,11 +87,18 @@ fn combination(operator: Operator, first: NodeId, second: NodeId) -> Combine {
 }
 
 /// A random model and where it is sampled.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Scene {
     pub part: Part,
     pub model: Model,
     pub lattice: Lattice,
+}
+
+/// What it was made of tells how to make it again.
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} on {:?}", self.part, self.lattice)
+    }
 }
 
 impl Scene {
