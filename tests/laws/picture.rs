@@ -110,6 +110,7 @@ proptest! {
     fn one_block_or_many(scene in scene(), subdivision in subdivision(Boundary::Exact), picture in picture()) {
         let (one, many) = (scene.target(&one_block()), scene.target(&subdivision));
         prop_assert!(one.blocks.len() <= 1);
+        prop_assert_eq!(one.value_range, many.value_range);
         prop_assert_eq!(same(&picture.reference(&one), &picture.reference(&many)), Ok(()));
     }
 
