@@ -46,7 +46,7 @@ impl Planned {
         let bounds = |cube: Cube| cube.bounds(cube.extent(target.lattice.dims));
         let cubes = visibility.cubes_back_to_front(viewpoint);
         let depths = plan.eye_from_lattice.matrix3.row(2).abs().to_array();
-        let steep = depths.iter().all(|&d| d >= STEEPEST || d < 1e-12);
+        let steep = !depths.iter().any(|d| (1e-12..STEEPEST).contains(d));
         steep.then(|| Self {
             boxes: cubes.into_iter().map(|(_, cube)| bounds(cube)).collect(),
             lattice_from_eye: plan.eye_from_lattice.inverse(),
@@ -193,7 +193,7 @@ impl Planned {
         let within = |face: usize, eye: DVec3| {
             let p = affine::point(&self.lattice_from_eye, eye);
             let axis = face / 2;
-            if face % 2 == 0 {
+            if face & 1 == 0 {
                 p[axis] - bounds.min[axis]
             } else {
                 bounds.max[axis] - p[axis]
