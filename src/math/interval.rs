@@ -78,10 +78,7 @@ impl Interval {
 
     /// The hull of `f` at both ends: the exact image under a monotone `f`.
     pub fn map_monotone(self, f: impl Fn(f32) -> f32) -> Self {
-        if self.is_empty() {
-            return self;
-        }
-        Self::new(f(self.lo), f(self.hi))
+        self.map_corners(Self::point(0.0), |v, _| f(v))
     }
 
     /// The hull of `f` at the four corners of `self × other`: the exact image when `f` is monotone in each argument

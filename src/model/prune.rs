@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::tree::Leaf;
 use super::{BooleanOp, Operator, Shape, Source, Step, Tree, ValueRule};
-use crate::math::{Aabb, Interval, Overlap};
+use crate::math::{Aabb, Interval, Overlap, affine};
 use crate::volume::SampleRange;
 
 /// What happens to a leaf or cut whose boundary crosses a block that is not split further (VCSG §3.1, criterion 4).
@@ -37,13 +37,13 @@ pub struct Pruned {
 }
 
 impl Tree {
-    /// The part of `path` that matters in `block`, a box of this tree's frame. A `crossing` of [`Boundary::Centre`] assigns
-    /// what crosses the block by the block's centre.
-    pub fn prune(&self, path: &[Step], block: &Aabb, crossing: Boundary) -> Pruned {
+    /// The part of `path` that matters in `block`, a box of this tree's frame. The point `decider`, if there is one, assigns
+    /// what crosses the block (see [`Boundary::Centre`]).
+    pub fn prune(&self, path: &[Step], block: &Aabb, decider: Option<DVec3>) -> Pruned {
         let mut pruner = Pruner {
             tree: self,
             block,
-            crossing,
+            decider,
             steps: Vec::with_capacity(path.len()),
             operands: Vec::new(),
             crossed: false,
@@ -75,7 +75,7 @@ impl Operand {
 struct Pruner<'a> {
     tree: &'a Tree,
     block: &'a Aabb,
-    crossing: Boundary,
+    decider: Option<DVec3>,
     steps: Vec<Step>,
     operands: Vec<Operand>,
     crossed: bool,
@@ -134,14 +134,8 @@ impl Pruner<'_> {
 
     fn leaf_overlap(&self, index: u32) -> Overlap {
         let leaf = self.tree.leaf(index);
-        match (leaf.overlap(self.block), self.crossing) {
-            (Overlap::Partial, Boundary::Centre) => {
-                let centre = self.block.center();
-                match leaf.overlap(&Aabb::new(centre, centre)) {
-                    Overlap::Outside => Overlap::Outside,
-                    _ => Overlap::Inside,
-                }
-            }
+        match (leaf.overlap(self.block), self.decider) {
+            (Overlap::Partial, Some(point)) => leaf.side_of(point),
             (overlap, _) => overlap,
         }
     }
@@ -175,14 +169,9 @@ impl Pruner<'_> {
     fn cut_overlap(&self, index: u32) -> Overlap {
         let cut = self.tree.cut(index);
         let distances = self.block.corners().map(|c| cut.distance(c));
-        match (side(&distances), self.crossing) {
-            (Overlap::Partial, Boundary::Centre) => {
-                if cut.distance(self.block.center()) <= 0.0 {
-                    Overlap::Inside
-                } else {
-                    Overlap::Outside
-                }
-            }
+        match (side(&distances), self.decider) {
+            (Overlap::Partial, Some(point)) if cut.distance(point) <= 0.0 => Overlap::Inside,
+            (Overlap::Partial, Some(_)) => Overlap::Outside,
             (overlap, _) => overlap,
         }
     }
@@ -297,6 +286,21 @@ impl Leaf {
         match &self.source {
             Source::Volume(_) => hull.overlap(&self.local_bounds),
             Source::Primitive { shape, .. } => shape.overlap(&hull),
+        }
+    }
+
+    /// On which side of the leaf's boundary a point of the tree's frame lies, as the tree tells it.
+    fn side_of(&self, point: DVec3) -> Overlap {
+        let local = affine::point(&self.local_from_frame, point);
+        let inside = self.local_bounds.contains(local)
+            && match &self.source {
+                Source::Volume(_) => true,
+                Source::Primitive { shape, value } => shape.sample(local, *value).coverage > 0.0,
+            };
+        if inside {
+            Overlap::Inside
+        } else {
+            Overlap::Outside
         }
     }
 

@@ -80,7 +80,7 @@ pub struct Tree {
 pub enum TreeError {
     /// Shared subtrees multiply out to too much.
     #[error(
-        "the tree has over {} steps once its shared parts are written out; use fewer nested uses",
+        "the tree has over {} nodes once its shared parts are written out; use fewer nested uses",
         Tree::MAX_STEPS
     )]
     TooLarge,
@@ -173,14 +173,17 @@ impl Shape {
 }
 
 impl Tree {
-    /// The most steps that a tree may have once shared subtrees are written out.
+    /// The most nodes that a tree may have once shared subtrees are written out.
     pub const MAX_STEPS: usize = 4_000_000;
 
     /// Flattens `model` for points of a frame placed by `world_from_frame`.
     ///
     /// # Errors
-    /// If shared subtrees multiply out to more than [`Self::MAX_STEPS`] steps.
+    /// If shared subtrees multiply out to more than [`Self::MAX_STEPS`] nodes.
     pub fn new(model: &Model, world_from_frame: &DAffine3) -> Result<Self, TreeError> {
+        if written_out(model) > Self::MAX_STEPS {
+            return Err(TreeError::TooLarge);
+        }
         let mut tree = Self::default();
         // A node waits on the stack twice: to have its children visited, then to be written behind them.
         let mut pending: Vec<Visit> = model
@@ -193,9 +196,6 @@ impl Tree {
                 tree.write(model.node(visit.id), &visit.node_from_frame);
             } else {
                 visit.expand(model, &mut pending);
-            }
-            if tree.steps.len() + pending.len() > Self::MAX_STEPS {
-                return Err(TreeError::TooLarge);
             }
         }
         Ok(tree)
@@ -340,6 +340,18 @@ impl ValueMap {
             Sample::EMPTY
         }
     }
+}
+
+/// How many nodes `model` has once each use of a shared one is written out.
+fn written_out(model: &Model) -> usize {
+    let mut sizes: Vec<usize> = Vec::with_capacity(model.nodes().len());
+    for node in model.nodes() {
+        let size = node.children().fold(1usize, |sum, child| {
+            sum.saturating_add(sizes[child.index()])
+        });
+        sizes.push(size);
+    }
+    sizes.last().copied().unwrap_or(0)
 }
 
 /// A node on the way to being flattened.

@@ -26,7 +26,16 @@ impl Projector for Reference {
 
 /// The frame of a target whose voxels are at hand.
 pub fn render(voxels: &VoxelTarget, spec: &FrameSpec) -> Frame {
-    let marcher = Marcher::new(voxels, spec);
+    render_where(voxels, spec, &|_| true)
+}
+
+/// Like [`render`], with only the samples at the points that `shown` (in lattice coordinates) admits.
+pub fn render_where(
+    voxels: &VoxelTarget,
+    spec: &FrameSpec,
+    shown: &(dyn Fn(DVec3) -> bool + Sync),
+) -> Frame {
+    let marcher = Marcher::new(voxels, spec, shown);
     let [width, height] = spec.camera.size;
     let mut frame = Frame::transparent(width, height);
     frame
@@ -56,6 +65,7 @@ struct LatticeSample {
 struct Marcher<'a> {
     voxels: &'a VoxelTarget<'a>,
     spec: &'a FrameSpec<'a>,
+    shown: &'a (dyn Fn(DVec3) -> bool + Sync),
     lattice_from_eye: DAffine3,
     bounds: Aabb,
     eye_bounds: Aabb,
@@ -65,12 +75,17 @@ struct Marcher<'a> {
 }
 
 impl<'a> Marcher<'a> {
-    fn new(voxels: &'a VoxelTarget<'a>, spec: &'a FrameSpec<'a>) -> Self {
+    fn new(
+        voxels: &'a VoxelTarget<'a>,
+        spec: &'a FrameSpec<'a>,
+        shown: &'a (dyn Fn(DVec3) -> bool + Sync),
+    ) -> Self {
         let lattice = &spec.target.lattice;
         let eye_from_lattice = super::eye_from_lattice(lattice, spec.camera);
         Self {
             voxels,
             spec,
+            shown,
             lattice_from_eye: eye_from_lattice.inverse(),
             bounds: lattice.bounds(),
             eye_bounds: lattice.bounds().transformed(&eye_from_lattice),
@@ -91,7 +106,7 @@ impl<'a> Marcher<'a> {
         for k in self.planes.between(near, self.eye_bounds.max.z).rev() {
             let eye = camera.point_at_depth(x, y, self.planes.depth(k));
             let at = affine::point(&self.lattice_from_eye, eye);
-            if !self.bounds.contains(at) {
+            if !self.bounds.contains(at) || !(self.shown)(at) {
                 continue;
             }
             let sample = self.sample(at);

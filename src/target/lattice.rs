@@ -109,6 +109,12 @@ impl Lattice {
         Aabb::new(DVec3::splat(-0.5), n - 0.5)
     }
 
+    /// The box of all voxels' centres, in lattice coordinates.
+    pub fn centres(&self) -> Aabb {
+        let n = DVec3::from_array(self.dims.map(|n| n as f64));
+        Aabb::new(DVec3::ZERO, n - 1.0)
+    }
+
     /// The world box of all voxels' cells.
     pub fn world_bounds(&self) -> Aabb {
         self.bounds().transformed(&self.world_from_lattice)

@@ -75,7 +75,7 @@ pub struct Target {
     pub blocks: Vec<Block>,
     /// The distinct paths.
     pub paths: Vec<Vec<Step>>,
-    /// A range that holds every block's values.
+    /// A range that holds every value; the same for every subdivision.
     pub value_range: Interval,
 }
 
@@ -104,6 +104,9 @@ pub enum TargetError {
     },
 }
 
+/// Voxels of the coarsest lattice: one and the layer round it.
+const FEWEST: usize = 27;
+
 impl Target {
     /// Samples `model` on its lattice, or axis-aligned at `spacing_mm`.
     ///
@@ -128,11 +131,13 @@ impl Target {
         spacing_mm: Option<f64>,
         subdivision: &Subdivision,
     ) -> Result<Self, TargetError> {
-        let mut spacing = spacing_mm;
+        let world_tree = Tree::new(model, &DAffine3::IDENTITY)?;
+        let mut lattice = Lattice::of_model(model, &world_tree, spacing_mm)?;
         loop {
-            match Self::build(model, spacing, subdivision) {
-                Err(TargetError::OverBudget { spacing_mm, .. }) => {
-                    spacing = Some(spacing_mm * 2f64.cbrt());
+            match Self::on_lattice(model, lattice, subdivision) {
+                Err(TargetError::OverBudget { spacing_mm, .. }) if lattice.len() > FEWEST => {
+                    let coarser = Some(spacing_mm * 2f64.cbrt());
+                    lattice = Lattice::of_model(model, &world_tree, coarser)?;
                 }
                 result => return result,
             }
@@ -165,9 +170,11 @@ impl Target {
         let mut flat = Flattener::default();
         flat.nodes.push(OctreeNode::Empty);
         flat.place(subtree, 0, lattice.dims);
-        let value_range = flat.blocks.iter().fold(Interval::EMPTY, |range, block| {
-            range.hull(block.range.value)
-        });
+        // Of the whole and not of the blocks: pictures are made of fractions of it, and must not depend on the subdivision.
+        let value_range = tree
+            .prune(tree.steps(), &lattice.centres(), None)
+            .range
+            .value;
         Ok(Self {
             octree: Octree {
                 root,
@@ -223,12 +230,9 @@ impl Splitter<'_> {
             return Subtree::Empty;
         }
         let smallest = cube.size <= self.subdivision.min_block;
-        let crossing = if smallest {
-            self.subdivision.boundary
-        } else {
-            Boundary::Exact
-        };
-        let pruned = self.tree.prune(path, &self.reach(&cube, extent), crossing);
+        let by_centre = smallest && self.subdivision.boundary == Boundary::Centre;
+        let decider = by_centre.then(|| cube.bounds(extent).center());
+        let pruned = self.tree.prune(path, &self.reach(&cube, extent), decider);
         if pruned.steps.is_empty() {
             return Subtree::Empty;
         }
@@ -256,11 +260,10 @@ impl Splitter<'_> {
 
     /// The voxel centres that the block's picture can depend on, as a box of the lattice.
     fn reach(&self, cube: &Cube, extent: [usize; 3]) -> Aabb {
-        let last = DVec3::from_array(self.lattice.dims.map(|n| n as f64)) - 1.0;
         let cells = cube.bounds(extent);
         // From cell faces to voxel centres is half a voxel inwards.
-        let centres = cells.expand(DVec3::splat(Block::REACH as f64 - 0.5));
-        Aabb::new(centres.min.max(DVec3::ZERO), centres.max.min(last))
+        let reach = cells.expand(DVec3::splat(Block::REACH as f64 - 0.5));
+        reach.intersect(&self.lattice.centres())
     }
 
     fn block(&self, cube: Cube, pruned: Pruned) -> Subtree {

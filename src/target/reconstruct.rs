@@ -175,7 +175,13 @@ impl Row {
 
     /// Fills the row from a leaf that holds all of it.
     fn fill_inside(&mut self, leaf: &Leaf, x0: f64, y: f64, z: f64) {
-        self.fill(leaf, 0..self.value.len(), x0, y, z);
+        match &leaf.source {
+            Source::Volume(_) => self.fill(leaf, 0..self.value.len(), x0, y, z),
+            Source::Primitive { value, .. } => {
+                self.value.fill(*value);
+                self.coverage.fill(1.0);
+            }
+        }
     }
 
     /// Fills the part of the row that lies in the leaf's box. Along a row each coordinate is monotone, rounding included, so

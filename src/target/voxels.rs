@@ -118,7 +118,12 @@ pub struct VoxelTarget<'a> {
     pub target: &'a Target,
     /// The voxels of each block of [`Target::blocks`].
     pub voxels: Vec<BlockVoxels>,
+    /// All voxels of a small lattice once more, x fastest, where none needs the octree to be found; empty for a large one.
+    dense: Vec<(f32, f32)>,
 }
+
+/// The most voxels of a lattice that is small: 32 MiB.
+const SMALL: usize = 1 << 22;
 
 impl<'a> VoxelTarget<'a> {
     /// Reconstructs every block, without aprons.
@@ -128,13 +133,37 @@ impl<'a> VoxelTarget<'a> {
             .par_iter()
             .map(|block| BlockVoxels::reconstruct(target, block, 0))
             .collect();
-        Self { target, voxels }
+        let mut whole = Self {
+            target,
+            voxels,
+            dense: Vec::new(),
+        };
+        if target.lattice.len() <= SMALL {
+            whole.dense = whole.all_voxels();
+        }
+        whole
+    }
+
+    fn all_voxels(&self) -> Vec<(f32, f32)> {
+        let [nx, ny, _] = self.target.lattice.dims;
+        (0..self.target.lattice.len())
+            .into_par_iter()
+            .map(|n| self.find([n % nx, n / nx % ny, n / (nx * ny)]))
+            .collect()
     }
 
     /// Value times coverage, and coverage, of voxel `at`; beyond the lattice its outermost voxels go on.
     pub fn voxel(&self, at: [i64; 3]) -> (f32, f32) {
         let dims = self.target.lattice.dims;
         let at: [usize; 3] = std::array::from_fn(|a| at[a].clamp(0, dims[a] as i64 - 1) as usize);
+        match self.dense.get(at[0] + dims[0] * (at[1] + dims[1] * at[2])) {
+            Some(&voxel) => voxel,
+            None => self.find(at),
+        }
+    }
+
+    /// The voxel `at` of the lattice in its block.
+    fn find(&self, at: [usize; 3]) -> (f32, f32) {
         match self.target.block_at(at) {
             Some(b) => self.voxels[b].premultiplied_at(self.target.blocks[b].origin, at),
             None => (0.0, 0.0),

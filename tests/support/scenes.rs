@@ -1,0 +1,200 @@
+//! Random models on lattices of at most some 30,000 voxels.
+
+use std::fmt;
+
+use glam::{DAffine3, DVec3};
+use proptest::prelude::*;
+use vcsg::math::Aabb;
+use vcsg::model::{
+    BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Plane, Shape, Tree,
+    ValueMap, ValueRule,
+};
+use vcsg::target::{Lattice, Subdivision, Target};
+
+use super::parts::{self, Scan};
+
+/// A model before it is one.
+#[derive(Clone, Debug)]
+pub enum Part {
+    Volume(Scan),
+    Primitive(Shape, f32),
+    Transform(Box<Part>, DAffine3),
+    Transfer(Box<Part>, ValueMap),
+    Cut(Box<Part>, Plane),
+    Combine(Operator, Box<Part>, Box<Part>),
+    /// Some node that is already in the model.
+    Again(prop::sample::Index),
+}
+
+/// A model that remembers the nodes it has.
+#[derive(Default)]
+struct Builder {
+    model: Model,
+    made: Vec<NodeId>,
+}
+
+impl Builder {
+    fn push(&mut self, part: &Part) -> NodeId {
+        let node = match part {
+            Part::Volume(scan) => Node::Volume(scan.leaf()),
+            Part::Primitive(shape, value) => Node::Primitive {
+                shape: *shape,
+                value: *value,
+            },
+            Part::Transform(child, parent_from_child) => Node::Transform {
+                child: self.push(child),
+                parent_from_child: *parent_from_child,
+            },
+            Part::Transfer(child, map) => Node::Transfer {
+                child: self.push(child),
+                map: map.clone(),
+            },
+            Part::Cut(child, plane) => Node::Cut {
+                child: self.push(child),
+                plane: *plane,
+            },
+            Part::Combine(operator, first, second) => {
+                let (first, second) = (self.push(first), self.push(second));
+                Node::Combine(combination(*operator, first, second))
+            }
+            Part::Again(_) if self.made.is_empty() => ball(),
+            Part::Again(which) => return *which.get(&self.made),
+        };
+        let id = self.model.push(node);
+        self.made.push(id);
+        id
+    }
+}
+
+fn ball() -> Node {
+    Node::Primitive {
+        shape: Shape::Sphere {
+            center: DVec3::ZERO,
+            radius: 6.0,
+        },
+        value: 40.0,
+    }
+}
+
+fn combination(operator: Operator, first: NodeId, second: NodeId) -> Combine {
+    Combine {
+        op: operator.op,
+        rule: operator.rule,
+        family: operator.family,
+        first,
+        second,
+    }
+}
+
+/// A random model and where it is sampled.
+#[derive(Clone)]
+pub struct Scene {
+    pub part: Part,
+    pub model: Model,
+    pub lattice: Lattice,
+}
+
+/// What it was made of tells how to make it again.
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} on {:?}", self.part, self.lattice)
+    }
+}
+
+impl Scene {
+    fn new(part: Part) -> Self {
+        let mut builder = Builder::default();
+        let root = builder.push(&part);
+        let model = bounded(builder.model.rooted_at(root));
+        let lattice = small_lattice(&model);
+        Self {
+            part,
+            model,
+            lattice,
+        }
+    }
+
+    /// The scene's target.
+    pub fn target(&self, subdivision: &Subdivision) -> Target {
+        Target::on_lattice(&self.model, self.lattice, subdivision).expect("a small target")
+    }
+}
+
+/// `model`, with a ball where it is nowhere, and within a box where it is endless.
+fn bounded(mut model: Model) -> Model {
+    let root = model.root().expect("a node");
+    let bounds = model.bounds()[root.index()];
+    let (op, node) = if bounds.is_empty() || bounds.size().min_element() <= 0.0 {
+        (BooleanOp::Union, ball())
+    } else if !bounds.is_finite() {
+        let shape = Shape::Box(Aabb::new(DVec3::splat(-13.0), DVec3::splat(11.5)));
+        (
+            BooleanOp::Intersection,
+            Node::Primitive { shape, value: 1.0 },
+        )
+    } else {
+        return model;
+    };
+    let second = model.push(node);
+    model.fold(op, ValueRule::First, Family::MinMax, [root, second]);
+    // A union with something endless has to be bounded in its turn.
+    bounded(model)
+}
+
+/// Voxels along an axis, at most.
+pub const MAX_DIM: usize = 64;
+
+fn small_lattice(model: &Model) -> Lattice {
+    let tree = Tree::new(model, &DAffine3::IDENTITY).expect("a small tree");
+    let bounds = model.bounds()[model.nodes().len() - 1];
+    let own = Lattice::of_model(model, &tree, None).expect("a bounded model");
+    if own.len() <= 30_000 && own.dims.iter().all(|&n| n <= MAX_DIM) {
+        return own;
+    }
+    let spacing_mm = bounds.size().max_element() / 26.0;
+    Lattice::axis_aligned(&bounds, spacing_mm).expect("a bounded model")
+}
+
+/// Random scenes: freely placed, or with all volumes on one lattice.
+pub fn scene() -> impl Strategy<Value = Scene> {
+    let free = tree(parts::placement().boxed(), true);
+    let aligned = parts::placement()
+        .prop_flat_map(|frame| tree(parts::shift().prop_map(move |by| frame * by).boxed(), false));
+    prop_oneof![2 => free, 1 => aligned].prop_map(Scene::new)
+}
+
+fn tree(placement: BoxedStrategy<DAffine3>, transforms: bool) -> impl Strategy<Value = Part> {
+    let leaf = prop_oneof![
+        4 => parts::scan(placement).prop_map(Part::Volume),
+        3 => (parts::shape(), -100.0f32..150.0).prop_map(|(s, v)| Part::Primitive(s, v)),
+        1 => any::<prop::sample::Index>().prop_map(Part::Again),
+    ];
+    leaf.prop_recursive(5, 10, 2, move |part| {
+        let boxed = || part.clone().prop_map(Box::new);
+        let moves = u32::from(transforms);
+        prop_oneof![
+            6 => (parts::operator(), boxed(), boxed()).prop_map(|(o, a, b)| Part::Combine(o, a, b)),
+            1 + moves => (boxed(), parts::value_map()).prop_map(|(p, m)| Part::Transfer(p, m)),
+            1 => (boxed(), parts::plane()).prop_map(|(p, plane)| Part::Cut(p, plane)),
+            1 => (boxed(), moved(transforms)).prop_map(|(p, m)| Part::Transform(p, m)),
+        ]
+    })
+}
+
+fn moved(free: bool) -> BoxedStrategy<DAffine3> {
+    if free {
+        parts::placement().boxed()
+    } else {
+        Just(DAffine3::IDENTITY).boxed()
+    }
+}
+
+/// Subdivisions with `boundary`, from a few blocks to many.
+pub fn subdivision(boundary: Boundary) -> impl Strategy<Value = Subdivision> {
+    (2u32..=5, 0u32..=3).prop_map(move |(min, more)| Subdivision {
+        min_block: 1 << min,
+        max_block: 1 << (min + more),
+        boundary,
+        ..Subdivision::default()
+    })
+}

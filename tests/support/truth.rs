@@ -1,0 +1,224 @@
+//! A second evaluation of a model, in world millimetres and double precision, straight from the definitions (VCSG §2.1–2.3).
+//!
+//! Each value carries a bound on how far the tree's single-precision value may be from it, worked out alongside. With ε =
+//! `f32::EPSILON` a rounded operation errs by ε/2 of its result; an operation on values in error adds the error times its
+//! largest slope. Points within [`NEAR`] of a boundary, and values within their bound of a window's end, are undecided.
+
+use glam::DVec3;
+use vcsg::math::{Aabb, Interval};
+use vcsg::model::{
+    BooleanOp, Combine, Model, Node, NodeId, Shape, ValueMap, ValueRule, VolumeLeaf,
+};
+use vcsg::volume::Bricks;
+
+/// How far a leaf's own coordinates in the tree may be from these, in its units. The tree snaps a map's entries by up to
+/// 1e-9: for lattice coordinates up to 64 that is 1e-9·(1 + 3·64) < 2e-7. The sampler rounds to 2⁻²⁴ voxel, 6e-8. Double
+/// precision's own rounding is 1e-13 here.
+const NEAR: f64 = 3e-7;
+
+const EPSILON: f64 = f32::EPSILON as f64;
+
+/// A value, and how far the tree's may be from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounded {
+    pub value: f64,
+    pub error: f64,
+}
+
+/// What is at a point: a value or nothing. `Err` when the point is too near a boundary to tell.
+pub type Truth = Result<Option<Bounded>, Undecided>;
+
+/// A point too near a boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Undecided;
+
+/// The node `id` of `model` at `p`, a point of the node's parent's frame.
+pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
+    match model.node(id) {
+        Node::Volume(leaf) => volume(
+            leaf,
+            leaf.bricks.world_from_index().inverse().transform_point3(p),
+        ),
+        Node::Primitive { shape, value } => Ok(side(depth_within(shape, p))?.then_some(Bounded {
+            value: f64::from(*value),
+            error: 0.0,
+        })),
+        Node::Transform {
+            child,
+            parent_from_child,
+        } => sample(
+            model,
+            *child,
+            parent_from_child.inverse().transform_point3(p),
+        ),
+        Node::Transfer { child, map } => Ok(sample(model, *child, p)?.map(|v| mapped(map, v))),
+        Node::Cut { child, plane } => {
+            let kept = side(-(plane.normal.dot(p) + plane.offset))?;
+            Ok(sample(model, *child, p)?.filter(|_| kept))
+        }
+        Node::Combine(c) => {
+            let (first, second) = (sample(model, c.first, p)?, sample(model, c.second, p)?);
+            Ok(combined(c, first, second))
+        }
+    }
+}
+
+/// Whether a point that lies `depth` within something is inside it.
+fn side(depth: f64) -> Result<bool, Undecided> {
+    // Along a diagonal a point may be off by √3 of what it is along each axis.
+    if depth.abs() <= 2.0 * NEAR {
+        return Err(Undecided);
+    }
+    Ok(depth > 0.0)
+}
+
+fn depth_within(shape: &Shape, p: DVec3) -> f64 {
+    match shape {
+        Shape::Sphere { center, radius } => radius - p.distance(*center),
+        Shape::Box(b) => depth_in_box(b, p),
+        Shape::HalfSpace(plane) => -(plane.normal.dot(p) + plane.offset),
+    }
+}
+
+fn depth_in_box(b: &Aabb, p: DVec3) -> f64 {
+    (p - b.min).min(b.max - p).min_element()
+}
+
+fn volume(leaf: &VolumeLeaf, p: DVec3) -> Truth {
+    let bricks = &leaf.bricks;
+    if !side(depth_in_box(&bricks.index_bounds(), p))? {
+        return Ok(None);
+    }
+    if bricks.has_missing() && (p - p.round()).abs().min_element() <= NEAR {
+        return Err(Undecided);
+    }
+    let Some(v) = trilinear(bricks, p) else {
+        return Ok(None);
+    };
+    let Interval { lo, hi } = leaf.window;
+    let margins = [v.value - f64::from(lo), f64::from(hi) - v.value];
+    if margins.iter().any(|m| m.abs() <= v.error) {
+        return Err(Undecided);
+    }
+    Ok(margins.iter().all(|&m| m > 0.0).then_some(v))
+}
+
+/// The trilinear interpolation at index-space point `p`; `None` next to a missing voxel.
+fn trilinear(bricks: &Bricks, p: DVec3) -> Option<Bounded> {
+    let last = DVec3::from(bricks.dims().map(|n| (n - 1) as f64));
+    let p = p.clamp(DVec3::ZERO, last);
+    let (base, t) = (p.floor(), p - p.floor());
+    let corners = (0..8).map(|n| {
+        let up = DVec3::from([1, 2, 4].map(|bit| f64::from(u8::from(n & bit != 0))));
+        let [i, j, k] = (base + up).min(last).to_array().map(|c| c as usize);
+        let weights = up * t + (1.0 - up) * (1.0 - t);
+        (f64::from(bricks.voxel(i, j, k)), weights.element_product())
+    });
+    let (mut value, mut lo, mut hi) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+    for (v, weight) in corners {
+        value += v * weight;
+        (lo, hi) = (lo.min(v), hi.max(v));
+    }
+    // Three nested interpolations round by 5ε of the largest voxel; along each axis the slope is at most the voxels' spread,
+    // or, where the tree's point falls into the next cell, that of all voxels.
+    let all = bricks.value_range();
+    let largest = f64::from(all.lo.abs().max(all.hi.abs()));
+    let error = 5.0 * EPSILON * largest + 3.0 * NEAR * f64::from(all.width());
+    (!value.is_nan()).then_some(Bounded { value, error })
+}
+
+fn mapped(map: &ValueMap, v: Bounded) -> Bounded {
+    let (x, e) = (v.value, v.error);
+    match map {
+        ValueMap::Linear { scale, offset } => {
+            let (s, o) = (f64::from(*scale), f64::from(*offset));
+            Bounded {
+                value: s * x + o,
+                error: s.abs() * e + EPSILON * ((s * x).abs() + s.abs() * e + o.abs()),
+            }
+        }
+        ValueMap::Quadratic { a, b, c } => {
+            let [a, b, c] = [*a, *b, *c].map(f64::from);
+            let reach = x.abs() + e;
+            let slope = 2.0 * a.abs() * reach + b.abs();
+            // Four roundings, each of at most the sum of all terms.
+            let terms = a.abs() * reach * reach + b.abs() * reach + c.abs();
+            Bounded {
+                value: (a * x + b) * x + c,
+                error: slope * e + 3.0 * EPSILON * terms,
+            }
+        }
+        ValueMap::Table(points) => Bounded {
+            value: looked_up(points, x),
+            // The interpolation subtracts, divides, multiplies and adds; `v − a` of a rounded `v` is exact or errs by ε of it.
+            error: steepest(points) * (e + EPSILON * x.abs()) + 4.0 * EPSILON * extent(points, x),
+        },
+    }
+}
+
+fn looked_up(points: &[(f32, f32)], x: f64) -> f64 {
+    let points: Vec<(f64, f64)> = points
+        .iter()
+        .map(|p| (f64::from(p.0), f64::from(p.1)))
+        .collect();
+    let (Some(first), Some(last)) = (points.first(), points.last()) else {
+        return x;
+    };
+    let stretch = points.windows(2).find(|s| s[0].0 <= x && x < s[1].0);
+    match stretch {
+        Some(s) => s[0].1 + (x - s[0].0) * (s[1].1 - s[0].1) / (s[1].0 - s[0].0),
+        None if x < first.0 => first.1,
+        None => last.1,
+    }
+}
+
+/// The largest slope of a table; 1 for an empty one, which keeps every value.
+fn steepest(points: &[(f32, f32)]) -> f64 {
+    let slope = |s: &[(f32, f32)]| f64::from((s[1].1 - s[0].1) / (s[1].0 - s[0].0)).abs();
+    let none = if points.is_empty() { 1.0 } else { 0.0 };
+    points.windows(2).map(slope).fold(none, f64::max)
+}
+
+fn extent(points: &[(f32, f32)], x: f64) -> f64 {
+    points
+        .iter()
+        .map(|p| 2.0 * f64::from(p.1).abs())
+        .fold(x.abs(), f64::max)
+}
+
+/// VCSG §2.3 for crisp operands: the first alone, the second alone, and `u` where both are.
+fn combined(c: &Combine, first: Option<Bounded>, second: Option<Bounded>) -> Option<Bounded> {
+    let both = first.zip(second).map(|(a, b)| joined(c.rule, a, b));
+    match c.op {
+        BooleanOp::Union => both.or(first).or(second),
+        BooleanOp::Intersection => both,
+        BooleanOp::Subtraction => first.filter(|_| second.is_none()),
+        BooleanOp::SubtractionWithRule => both.or(first),
+    }
+}
+
+fn joined(rule: ValueRule, a: Bounded, b: Bounded) -> Bounded {
+    let (v, w) = (a.value, b.value);
+    let rounding = 2.0 * EPSILON * (v.abs() + w.abs() + a.error + b.error);
+    let (value, error) = match rule {
+        ValueRule::First => return a,
+        ValueRule::Second => return b,
+        ValueRule::Max => (v.max(w), a.error.max(b.error)),
+        ValueRule::Min => (v.min(w), a.error.max(b.error)),
+        ValueRule::Sum => (v + w, a.error + b.error + rounding),
+        ValueRule::Difference => (v - w, a.error + b.error + rounding),
+        ValueRule::Average => (0.5 * (v + w), 0.5 * (a.error + b.error) + rounding),
+        ValueRule::Blend(t) => {
+            let t = f64::from(t);
+            (
+                t * v + (1.0 - t) * w,
+                t * a.error + (1.0 - t) * b.error + rounding,
+            )
+        }
+        ValueRule::Product => {
+            let slope = v.abs() * b.error + w.abs() * a.error + a.error * b.error;
+            (v * w, slope + EPSILON * ((v * w).abs() + slope))
+        }
+    };
+    Bounded { value, error }
+}
