@@ -23,7 +23,7 @@ pub use planes::{Planes, eye_from_lattice};
 pub use projector::{FrameSpec, ProjectError, Projector};
 pub use reference::Reference;
 pub use settings::{Mode, Settings};
-pub use shade::SoftNormals;
+pub use shade::{EMPTY_BELOW, SoftNormals};
 pub use slices::{Slice, SliceBox, SlicePlan};
 pub use template::{MAX_SEGMENTS, MAX_VERTICES, MovingVertex, Segment, Template};
 pub use transfer::{ControlPoint, TransferError, TransferFunction, TransferTable};

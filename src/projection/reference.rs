@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use super::composite::{self, value_source};
 use super::transfer::lengthened;
-use super::{FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable};
+use super::{
+    EMPTY_BELOW, FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable,
+};
 use crate::image::Frame;
 use crate::math::{Aabb, affine};
 use crate::target::VoxelTarget;
@@ -182,7 +184,8 @@ impl<'a> Marcher<'a> {
         let neighbour = |axis: usize, by: i64| {
             let mut at = at;
             at[axis] += by;
-            self.fraction(self.voxels.voxel(at))
+            let voxel = self.voxels.voxel(at);
+            self.fraction(voxel) + f64::from(EMPTY_BELOW) * f64::from(voxel.1)
         };
         let half = std::array::from_fn(|a| 0.5 * (neighbour(a, 1) - neighbour(a, -1)));
         self.spec.camera.eye_from_world.matrix3 * normals.normal(DVec3::from_array(half))

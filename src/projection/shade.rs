@@ -5,7 +5,12 @@ use glam::{DMat3, DVec3};
 use super::{DepthCue, Shading};
 use crate::target::Lattice;
 
-/// Makes soft normals of differences on a lattice.
+/// How far empty space lies below the lowest value, in fractions of the value range, where normals are made: so that the
+/// lowest value has a surface too, and a cut shows the cut's normal.
+pub const EMPTY_BELOW: f32 = 0.5;
+
+/// Makes soft normals of differences on a lattice: of the fraction of the value range times coverage, plus [`EMPTY_BELOW`] times
+/// coverage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftNormals {
     /// From half the difference of neighbours along each lattice axis, in fractions of the value range, to multiples of g₀ in

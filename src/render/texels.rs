@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 
 use crate::math::Interval;
 use crate::model::{Source, Tree, ValueRule};
-use crate::projection::SoftNormals;
+use crate::projection::{EMPTY_BELOW, SoftNormals};
 use crate::target::{Block, BlockVoxels, Lattice, Target};
 use crate::volume::VoxelType;
 
@@ -24,8 +24,7 @@ pub enum Encoding {
 
 impl Encoding {
     /// The encoding that suits `target`: bytes if its voxels are all copies of bytes. A `lit` target's normals want more
-    /// than 8 bits, and four channels of 16 bits are fetched faster than of 8 (on lavapipe 90 against 63 to 77 million
-    /// shaded samples a second, `cargo bench --bench device`).
+    /// than 8 bits, and four channels of 16 bits are fetched no slower than of 8 (`cargo bench --bench device`).
     pub fn of(target: &Target, lit: bool) -> Self {
         if !lit && makes_bytes(&target.tree) {
             Self::Bytes
@@ -247,7 +246,7 @@ impl<'a> Rows<'a> {
 /// Soft normals by central differences. A voxel beyond the lattice has the normal of the nearest one in it.
 pub struct NormalRows {
     matrix: glam::Mat3,
-    /// Fractions of the value range times coverage, with the voxels' own layout.
+    /// What normals are made of (see [`SoftNormals`]), with the voxels' own layout.
     fractions: Vec<f32>,
     /// The stored rows of the lattice's first and last voxels along each axis, as far as the block has them.
     inside: [Range<usize>; 3],
@@ -268,6 +267,7 @@ impl NormalRows {
             "normals look one voxel beyond the apron"
         );
         let [scale, offset] = fraction_scales(range);
+        let offset = offset + EMPTY_BELOW;
         let fractions = match &voxels.coverage {
             None => voxels
                 .premultiplied

@@ -104,6 +104,16 @@ pub enum TargetError {
     },
 }
 
+/// Bytes of a voxel in a lit target: four channels of 16 bits, or two and four bytes of normal.
+const TEXEL_BYTES: usize = 8;
+
+/// A path of more steps than this is split further than the smallest block, as long as that may shorten it: in a scene of many
+/// small parts each voxel would else be tested against all parts of a large block.
+const LONG_PATH: usize = 64;
+
+/// The edge at which even long paths are left as they are.
+const FINEST: usize = 4;
+
 /// Voxels of the coarsest lattice: one and the layer round it.
 const FEWEST: usize = 27;
 
@@ -163,10 +173,10 @@ impl Target {
             tree: &tree,
             lattice: &lattice,
             subdivision,
-            bytes: AtomicUsize::new(0),
+            stored_voxels: AtomicUsize::new(0),
         };
         let subtree = splitter.split(root, tree.steps());
-        splitter.check_budget()?;
+        splitter.check_budget(&subtree)?;
         let mut flat = Flattener::default();
         flat.nodes.push(OctreeNode::Empty);
         flat.place(subtree, 0, lattice.dims);
@@ -214,7 +224,9 @@ struct Splitter<'a> {
     tree: &'a Tree,
     lattice: &'a Lattice,
     subdivision: &'a Subdivision,
-    bytes: AtomicUsize,
+    /// Voxels of all blocks so far, aprons apart. Merging changes nothing of it, so whether it ends above the budget does not
+    /// depend on the order in which octants are split.
+    stored_voxels: AtomicUsize,
 }
 
 impl Splitter<'_> {
@@ -226,10 +238,10 @@ impl Splitter<'_> {
         if extent.contains(&0) {
             return Subtree::Beyond;
         }
-        if self.over_budget() {
+        if self.hopeless() {
             return Subtree::Empty;
         }
-        let smallest = cube.size <= self.subdivision.min_block;
+        let smallest = cube.size <= self.subdivision.min_block.max(1);
         let by_centre = smallest && self.subdivision.boundary == Boundary::Centre;
         let decider = by_centre.then(|| cube.bounds(extent).center());
         let pruned = self.tree.prune(path, &self.reach(&cube, extent), decider);
@@ -237,7 +249,8 @@ impl Splitter<'_> {
             return Subtree::Empty;
         }
         let too_large = cube.size > self.subdivision.max_block;
-        if !too_large && (smallest || !pruned.undecided) {
+        let finished = smallest && (pruned.steps.len() <= LONG_PATH || cube.size <= FINEST);
+        if !too_large && (finished || !pruned.undecided) {
             return self.block(cube, pruned);
         }
         let octants = self.split_octants(&cube, &pruned.steps);
@@ -279,8 +292,10 @@ impl Splitter<'_> {
             pruned,
             layout,
         };
-        self.bytes
-            .fetch_add(candidate.bytes(self.lattice), Ordering::Relaxed);
+        if layout != Layout::Uniform {
+            let voxels = cube.extent(self.lattice.dims).iter().product();
+            self.stored_voxels.fetch_add(voxels, Ordering::Relaxed);
+        }
         Subtree::Block(Box::new(candidate))
     }
 
@@ -313,24 +328,23 @@ impl Splitter<'_> {
                 undecided: true,
             },
         };
-        let parts: usize = octants.iter().map(|o| o.bytes(self.lattice)).sum();
-        self.bytes.fetch_sub(parts, Ordering::Relaxed);
-        self.bytes
-            .fetch_add(merged.bytes(self.lattice), Ordering::Relaxed);
         Subtree::Block(Box::new(merged))
     }
 
-    fn over_budget(&self) -> bool {
-        self.bytes.load(Ordering::Relaxed) > self.subdivision.budget_bytes
+    /// Whether the blocks so far are over the budget even at the fewest bytes a voxel can take.
+    fn hopeless(&self) -> bool {
+        self.stored_voxels.load(Ordering::Relaxed) > self.subdivision.budget_bytes / TEXEL_BYTES
     }
 
-    fn check_budget(&self) -> Result<(), TargetError> {
-        if !self.over_budget() {
+    fn check_budget(&self, subtree: &Subtree) -> Result<(), TargetError> {
+        let budget = self.subdivision.budget_bytes;
+        let needed = subtree.bytes(self.lattice);
+        if needed <= budget && !self.hopeless() {
             return Ok(());
         }
         Err(TargetError::OverBudget {
-            needed_mib: self.bytes.load(Ordering::Relaxed) >> 20,
-            budget_mib: self.subdivision.budget_bytes >> 20,
+            needed_mib: needed.max(budget) >> 20,
+            budget_mib: budget >> 20,
             spacing_mm: self.lattice.spacing_mm().min_element(),
         })
     }
@@ -339,8 +353,9 @@ impl Splitter<'_> {
 impl Subtree {
     fn bytes(&self, lattice: &Lattice) -> usize {
         match self {
+            Self::Beyond | Self::Empty => 0,
             Self::Block(c) => c.bytes(lattice),
-            _ => 0,
+            Self::Split(octants) => octants.iter().map(|o| o.bytes(lattice)).sum(),
         }
     }
 }
@@ -352,7 +367,7 @@ impl Candidate {
             && (self.layout != Layout::Uniform || self.pruned.range == other.pruned.range)
     }
 
-    /// Texture bytes: 16 bits a channel, and four bytes of normal.
+    /// Texture bytes in a lit target.
     fn bytes(&self, lattice: &Lattice) -> usize {
         let voxels: usize = self
             .cube
@@ -361,9 +376,8 @@ impl Candidate {
             .map(|n| n + 2 * Block::APRON)
             .product();
         match self.layout {
-            Layout::Covered => voxels * 6,
-            Layout::Mixed => voxels * 8,
-            Layout::Uniform => 6,
+            Layout::Covered | Layout::Mixed => voxels * TEXEL_BYTES,
+            Layout::Uniform => TEXEL_BYTES,
         }
     }
 

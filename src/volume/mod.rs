@@ -6,7 +6,6 @@ mod field;
 mod grid;
 pub mod io;
 mod voxel;
-mod window;
 
 pub use bricks::{BrickStore, Bricks, TypedBricks};
 pub use field::{Field, Sample, SampleRange};

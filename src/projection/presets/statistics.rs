@@ -88,9 +88,15 @@ fn sampled_rows<'a>(
     let middle = (height * depth / 2) % stride.min(height * depth);
     (middle..height * depth).step_by(stride).map(move |n| {
         let row = [block.origin[1] + n % height, block.origin[2] + n / height];
-        let (premultiplied, coverage) =
-            evaluator.evaluate(target.path(block), columns.clone(), row);
-        let samples = premultiplied.iter().zip(coverage);
+        let (mut premultiplied, mut coverage) = (vec![0.0; width], vec![0.0; width]);
+        evaluator.evaluate(
+            target.path(block),
+            columns.clone(),
+            row,
+            &mut premultiplied,
+            Some(&mut coverage),
+        );
+        let samples = premultiplied.iter().zip(&coverage);
         samples
             .filter(|(_, c)| **c > 0.0)
             .map(|(v, c)| v / c)
