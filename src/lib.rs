@@ -2,6 +2,7 @@
 
 #![warn(missing_docs)]
 
+pub mod conformance;
 pub mod gpu;
 pub mod image;
 pub mod interface;
