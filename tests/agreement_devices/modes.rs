@@ -1,5 +1,6 @@
 //! Law 3: slices and reference agree, in every mode.
 
+use vcsg::image::Frame;
 use vcsg::projection::{Mode, Projector, Reference};
 use vcsg::volume::VoxelType::{F32, I16, U8};
 
@@ -39,7 +40,7 @@ fn recipes() -> Vec<Recipe> {
         .collect()
 }
 
-fn require_agreement(bench: &mut Bench, recipe: &Recipe) {
+fn require_agreement(bench: &mut Bench, recipe: &Recipe) -> Frame {
     let scene = recipe.scene();
     let spec = scene.spec();
     let prepared = bench.prepare(&spec);
@@ -57,11 +58,7 @@ fn require_agreement(bench: &mut Bench, recipe: &Recipe) {
     );
     bench.require_within(&format!("reference of {recipe:?}"), &reference, &bounds);
     bench.require_within(&format!("{recipe:?}"), &frame, &bounds);
-    let shown = frame.pixels().iter().filter(|p| p[3] > 0.0).count();
-    assert!(
-        10 * shown > frame.pixels().len(),
-        "{recipe:?} shows nothing"
-    );
+    frame
 }
 
 #[test]
@@ -69,7 +66,23 @@ fn require_agreement(bench: &mut Bench, recipe: &Recipe) {
 fn slices_agree_with_the_reference() {
     on_device(|bench| {
         for recipe in recipes() {
-            require_agreement(bench, &recipe);
+            let frame = require_agreement(bench, &recipe);
+            let shown = frame.pixels().iter().filter(|p| p[3] > 0.0).count();
+            assert!(5 * shown > frame.pixels().len(), "{recipe:?} shows little");
+        }
+    });
+}
+
+/// Names the variable with the number of random scenes, for longer runs.
+const SCENES: &str = "VCSG_TEST_SCENES";
+
+#[test]
+#[ignore = "run for each device by the tests in main.rs"]
+fn random_scenes_agree_with_the_reference() {
+    let scenes = std::env::var(SCENES).map_or(12, |n| n.parse().expect("a number of scenes"));
+    on_device(|bench| {
+        for seed in 1000..1000 + scenes {
+            require_agreement(bench, &Recipe::random(seed));
         }
     });
 }

@@ -6,8 +6,8 @@ use glam::{DAffine3, DQuat, DVec3};
 use vcsg::math::Interval;
 use vcsg::model::{BooleanOp, Combine, Family, Model, Node, Plane, Shape, ValueRule, VolumeLeaf};
 use vcsg::projection::{
-    Camera, ControlPoint, DepthCue, FrameSpec, Mode, Projection, Settings, Shading,
-    TransferFunction, View,
+    Camera, ControlPoint, DepthCue, FrameSpec, Light, Material, Mode, Projection, Settings,
+    Shading, TransferFunction, View,
 };
 use vcsg::target::{Subdivision, Target};
 use vcsg::volume::{Bricks, Grid, VoxelType, Voxels};
@@ -64,6 +64,22 @@ const VALUES: [f64; 2] = [20.0, 220.0];
 pub const FRAME_PX: [u32; 2] = [48, 40];
 
 impl Recipe {
+    /// All of it left to the seed.
+    pub fn random(seed: u64) -> Self {
+        use Content::{Carved, Turned, United, Volume};
+        let random = &mut Random(!seed);
+        let mode = random.of(&Mode::ALL);
+        Self {
+            seed,
+            voxels: random.of(&[VoxelType::U8, VoxelType::I16, VoxelType::F32]),
+            content: random.of(&[Volume, Turned, Carved, United]),
+            mode: random.of(&[Mode::Composite, mode]),
+            lit: random.below(2) == 1,
+            perspective: random.below(2) == 1,
+            blocks: random.of(&[[8, 8], [8, 16], [8, 64], [16, 32], [32, 32], [64, 64]]),
+        }
+    }
+
     pub fn scene(&self) -> Scene {
         let mut random = Random(self.seed);
         let model = self.model(&mut random);
@@ -150,11 +166,19 @@ impl Recipe {
         } else {
             Projection::Orthographic
         };
+        let turned = random.below(4) > 0;
+        let mut degrees = |most: f64| {
+            if turned {
+                random.between(-most, most)
+            } else {
+                0.0
+            }
+        };
         View {
-            azimuth_deg: random.between(-180.0, 180.0),
-            elevation_deg: random.between(-80.0, 80.0),
-            roll_deg: random.between(-30.0, 30.0),
-            zoom: random.between(0.9, 1.4),
+            azimuth_deg: degrees(180.0),
+            elevation_deg: degrees(80.0),
+            roll_deg: degrees(30.0),
+            zoom: random.between(0.9, 2.5),
             projection,
             ..View::default()
         }
@@ -163,13 +187,30 @@ impl Recipe {
     fn settings(&self, random: &mut Random) -> Settings {
         Settings {
             mode: self.mode,
-            shading: self.lit.then(Shading::default),
+            shading: self.lit.then(|| shading(random)),
             depth_cue: DepthCue {
                 strength: random.of(&[0.0, 0.4]),
             },
             samples_per_voxel: random.between(0.7, 1.3),
             ..Settings::default()
         }
+    }
+}
+
+fn shading(random: &mut Random) -> Shading {
+    let lights = (0..1 + random.below(Shading::MAX_LIGHTS)).map(|_| Light {
+        towards: DVec3::from_array(std::array::from_fn(|_| random.between(-1.0, 1.0)))
+            .normalize_or(DVec3::NEG_Z),
+        intensity: random.between(0.1, 0.8) as f32,
+    });
+    Shading {
+        lights: lights.collect(),
+        material: Material {
+            specular: random.between(0.0, 0.5) as f32,
+            shininess_log2: random.below(7) as u32,
+            ..Material::default()
+        },
+        soft_gradient: random.between(0.01, 0.1),
     }
 }
 
