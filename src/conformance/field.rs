@@ -7,17 +7,20 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::normal::StoredNormals;
 use super::span::Span;
 use crate::math::Aabb;
-use crate::projection::{FrameSpec, SoftNormals};
+use crate::projection::FrameSpec;
 use crate::target::{Layout, Target, VoxelTarget};
 
-/// Fraction of the value range times coverage, coverage, and the three parts of the soft normal in the world.
-type Channels = [f64; 5];
+/// Fraction of the value range times coverage, coverage, and the least and the most that the three parts of the soft normal
+/// in the world may have been stored as.
+type Channels = [f64; 8];
 
 const WEIGHTED: usize = 0;
 const COVERAGE: usize = 1;
-const NORMAL: usize = 2;
+const NORMAL_LO: usize = 2;
+const NORMAL_HI: usize = 5;
 
 /// All voxels of a target.
 pub(super) struct VoxelField {
@@ -25,6 +28,8 @@ pub(super) struct VoxelField {
     voxels: Vec<Channels>,
     /// Whether the voxel's block stores coverage.
     mixed: Vec<bool>,
+    /// How many of the channels are used.
+    channels: usize,
 }
 
 /// What a sample can be, before anything is rounded.
@@ -59,22 +64,24 @@ impl VoxelField {
                 .par_iter()
                 .map(|&at| is_mixed(spec.target, at))
                 .collect(),
+            channels: NORMAL_LO,
         };
-        if let Some(shading) = spec.shading() {
-            let soft = SoftNormals::new(&spec.target.lattice, shading.soft_gradient);
-            field.add_normals(&soft, &places);
+        if let Some(normals) = StoredNormals::of(spec) {
+            field.add_normals(&normals, &places);
         }
         field
     }
 
-    fn add_normals(&mut self, soft: &SoftNormals, places: &[[i64; 3]]) {
-        let normals: Vec<DVec3> = places
+    fn add_normals(&mut self, normals: &StoredNormals, places: &[[i64; 3]]) {
+        let stored: Vec<[Span; 3]> = places
             .par_iter()
-            .map(|&at| soft.normal(self.half_differences(at)))
+            .map(|&at| normals.at(self.half_differences(at)))
             .collect();
-        for (voxel, normal) in self.voxels.iter_mut().zip(normals) {
-            voxel[NORMAL..].copy_from_slice(&normal.to_array());
+        for (voxel, normal) in self.voxels.iter_mut().zip(stored) {
+            voxel[NORMAL_LO..NORMAL_HI].copy_from_slice(&normal.map(|part| part.lo));
+            voxel[NORMAL_HI..].copy_from_slice(&normal.map(|part| part.hi));
         }
+        self.channels = NORMAL_HI + 3;
     }
 
     fn half_differences(&self, at: [i64; 3]) -> DVec3 {
@@ -111,7 +118,7 @@ impl VoxelField {
             for corner in 0..8 {
                 let at =
                     std::array::from_fn(|a| if corner >> a & 1 == 0 { from[a] } else { to[a] });
-                hull.add(&trilinear(&cell, at));
+                hull.add(&trilinear(&cell, at, self.channels));
             }
         });
         (hull.coverage.hi > 0.0).then_some(hull)
@@ -140,8 +147,9 @@ impl Hull {
         if coverage > 0.0 {
             self.fraction = self.fraction.with(weighted / coverage);
         }
-        for (span, part) in self.normal.iter_mut().zip(&sample[NORMAL..]) {
-            *span = span.with(*part);
+        for (n, span) in self.normal.iter_mut().enumerate() {
+            let stored = Span::new(sample[NORMAL_LO + n], sample[NORMAL_HI + n]);
+            *span = span.hull(stored);
         }
     }
 }
@@ -163,7 +171,7 @@ fn value_and_coverage(voxels: &VoxelTarget, at: [i64; 3]) -> Channels {
     } else {
         0.0
     };
-    let mut channels = [0.0; 5];
+    let mut channels = [0.0; 8];
     channels[WEIGHTED] = weighted;
     channels[COVERAGE] = coverage;
     channels
@@ -191,15 +199,67 @@ fn for_each_part(region: &Aabb, mut part: impl FnMut([i64; 3], [f64; 3], [f64; 3
     }
 }
 
-/// The sample at fraction `at` of a cell, bit `a` of a corner's index being the higher one on axis `a`.
-fn trilinear(cell: &[Channels; 8], [x, y, z]: [f64; 3]) -> Channels {
+/// The first `channels` of the sample at fraction `at` of a cell, bit `a` of a corner's index being the higher one on axis `a`.
+fn trilinear(cell: &[Channels; 8], [x, y, z]: [f64; 3], channels: usize) -> Channels {
     let mix = |a: f64, b: f64, t: f64| a + t * (b - a);
-    std::array::from_fn(|c| {
+    let mut sample = Channels::default();
+    for (c, mixed) in sample.iter_mut().enumerate().take(channels) {
         let along_x: [f64; 4] = std::array::from_fn(|n| mix(cell[2 * n][c], cell[2 * n + 1][c], x));
         let along_y = [
             mix(along_x[0], along_x[1], y),
             mix(along_x[2], along_x[3], y),
         ];
-        mix(along_y[0], along_y[1], z)
-    })
+        *mixed = mix(along_y[0], along_y[1], z);
+    }
+    sample
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn field(values: &[f64], covered: &[bool]) -> VoxelField {
+        let voxels = values.iter().zip(covered).map(|(&v, &c)| {
+            let mut channels = Channels::default();
+            channels[COVERAGE] = f64::from(u8::from(c));
+            channels[WEIGHTED] = v * channels[COVERAGE];
+            channels
+        });
+        VoxelField {
+            dims: [3; 3],
+            voxels: voxels.collect(),
+            mixed: vec![true; 27],
+            channels: NORMAL_LO,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_hull_holds_every_sample_of_its_region(
+            values in prop::collection::vec(0.0f64..1.0, 27),
+            covered in prop::collection::vec(any::<bool>(), 27),
+            middle in prop::array::uniform3(-0.4f64..2.4),
+            at in prop::array::uniform3(-1.0f64..1.0),
+        ) {
+            let field = field(&values, &covered);
+            let (middle, reach) = (DVec3::from_array(middle), DVec3::splat(0.3));
+            let p = middle + reach * DVec3::from_array(at);
+            let base = p.floor();
+            let cell = field.cell(base.as_i64vec3().to_array());
+            let sample = trilinear(&cell, (p - base).to_array(), NORMAL_LO);
+            let hull = field.hull(&Aabb::new(middle - reach, middle + reach));
+            let holds = |span: Span, v: f64| span.lo - 1e-12 <= v && v <= span.hi + 1e-12;
+            match hull {
+                None => prop_assert_eq!(sample[COVERAGE], 0.0),
+                Some(hull) => {
+                    prop_assert!(holds(hull.weighted, sample[WEIGHTED]));
+                    prop_assert!(holds(hull.coverage, sample[COVERAGE]));
+                    if sample[COVERAGE] > 1e-9 {
+                        prop_assert!(holds(hull.fraction, sample[WEIGHTED] / sample[COVERAGE]));
+                    }
+                }
+            }
+        }
+    }
 }

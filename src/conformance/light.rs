@@ -4,8 +4,7 @@ use glam::DVec3;
 
 use super::precision::{Precision, ULP};
 use super::span::Span;
-use super::storage::fraction_rounding;
-use crate::projection::{FrameSpec, Shading, SoftNormals};
+use crate::projection::{FrameSpec, Shading};
 
 /// Lights in the frame that normals are stored in, the world.
 pub(super) struct LightSpans {
@@ -29,20 +28,12 @@ impl LightSpans {
             half_way: world_from_eye * (light.towards - DVec3::Z).normalize_or_zero(),
             intensity: f64::from(light.intensity),
         });
-        let soft = SoftNormals::new(&spec.target.lattice, shading.soft_gradient);
-        let m = soft.matrix();
-        let steepest = (0..3)
-            .map(|row| m.row(row).abs().element_sum())
-            .fold(0.0, f64::max);
-        let range = spec.target.value_range;
-        // A difference of two fractions times the matrix, and its softening, which only shrinks errors.
-        let gradient = steepest * (fraction_rounding(range) + 4.0 * ULP);
-        // Stored in steps of 1/127: half of one, and those of the sum; then one product and one difference.
-        let stored = (0.5 + precision.sum_steps) / 127.0 + (255.0 / 127.0) * precision.sum;
+        // In units of a normal: the steps of the sum, then one product and one difference.
+        let read = precision.sum_steps / 127.0 + (255.0 / 127.0) * precision.sum;
         Self {
             lights: lights.collect(),
             shading: shading.clone(),
-            normal: gradient + stored + 4.0 * ULP,
+            normal: read + 4.0 * ULP,
         }
     }
 
@@ -85,4 +76,42 @@ fn projected(m: &[Span; 3], l: DVec3) -> Span {
     let along = m[0].scaled(l.x) + m[1].scaled(l.y) + m[2].scaled(l.z);
     let size: f64 = (0..3).map(|a| m[a].magnitude() * l[a].abs()).sum();
     along.abs().widened(6.0 * ULP * size).not_negative()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::projection::Light;
+    use proptest::prelude::*;
+
+    fn lights() -> LightSpans {
+        let shading = Shading::default();
+        let world = |light: &Light| WorldLight {
+            towards: light.towards,
+            half_way: (light.towards - DVec3::Z).normalize(),
+            intensity: f64::from(light.intensity),
+        };
+        LightSpans {
+            lights: shading.lights.iter().map(world).collect(),
+            shading,
+            normal: 0.0,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_response_to_a_normal_is_in_the_response_to_its_box(
+            middle in prop::array::uniform3(-0.7f64..0.7),
+            reach in 0.0f64..0.1,
+            at in prop::array::uniform3(-1.0f64..1.0),
+        ) {
+            let lights = lights();
+            let normal = middle.map(|part| Span::around(part, reach));
+            let m = DVec3::from_array(middle) + reach * DVec3::from_array(at);
+            let (factor, highlight) = lights.shading.response(m);
+            let (factors, highlights) = lights.over(&normal);
+            prop_assert!(factors.lo <= factor && factor <= factors.hi);
+            prop_assert!(highlights.lo <= highlight && highlight <= highlights.hi);
+        }
+    }
 }

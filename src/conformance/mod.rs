@@ -9,6 +9,7 @@ mod blend;
 mod bounds;
 mod field;
 mod light;
+mod normal;
 mod place;
 mod precision;
 mod source;

@@ -182,3 +182,30 @@ fn power_error(alpha: f64, path: f64) -> f64 {
     // And the difference from 1.
     exponent.exp2() * relative + ULP
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_longer_path_of_a_member_is_in_the_longer_path_of_the_span(
+            alpha in 0.0f64..0.99,
+            width in 0.0f64..0.01,
+            shade in 0.0f64..=1.0,
+            path in 1.0f64..1.5,
+            t in 0.0f64..=1.0,
+        ) {
+            let spans = [shade, shade, shade, 1.0].map(|c| Span::new(alpha, alpha + width).scaled(c));
+            let entry = [shade, shade, shade, 1.0].map(|c| (alpha + t * width) * c);
+            let longer_alpha = 1.0 - (1.0 - entry[3]).powf(path);
+            let exact = entry.map(|c| c * longer_alpha / entry[3].max(1e-300));
+            let longer = lengthened(&spans, Span::around(path, 1e-3));
+            for (span, c) in longer.into_iter().zip(exact) {
+                prop_assert!(span.lo <= c && c <= span.hi, "{c} is not in {span:?}");
+            }
+            prop_assert!(longer[3].width() < 2.0 * width + 1e-2);
+        }
+    }
+}

@@ -74,3 +74,51 @@ impl TableSpans {
         std::array::from_fn(|c| a[c].hull(b[c]))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Interval;
+    use crate::projection::{ControlPoint, TransferFunction};
+    use proptest::prelude::*;
+
+    /// A tooth that rises and falls, so that extremes lie within and at ends.
+    fn table() -> TransferTable {
+        let point = |value, opacity| ControlPoint {
+            value,
+            opacity,
+            color: [0.2, 0.5, 1.0],
+        };
+        let points = vec![point(0.0, 0.1), point(0.4, 0.9), point(1.0, 0.0)];
+        let function = TransferFunction::new(points, 1.0).expect("rising values");
+        TransferTable::new(&function, Interval::new(0.0, 1.0), 1.0)
+    }
+
+    const EXACT: Precision = Precision {
+        vertex_px: 0.0,
+        weight: 0.0,
+        interpolated: 0.0,
+        coordinate: 0.0,
+        sum_steps: 0.0,
+        sum: 0.0,
+    };
+
+    proptest! {
+        #[test]
+        fn an_entry_is_in_the_span_round_it(lo in -0.1f64..1.1, width in 0.0f64..0.3, t in 0.0f64..=1.0) {
+            let table = table();
+            let spans = TableSpans::new(&table, &EXACT).over(Span::new(lo, lo + width));
+            let entry = table.at(lo + t * width);
+            for (span, c) in spans.into_iter().zip(entry) {
+                prop_assert!(span.lo - 1e-12 <= c && c <= span.hi + 1e-12, "{c} is not in {span:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_span_is_no_wider_than_the_table_is() {
+        let spans = TableSpans::new(&table(), &EXACT).over(Span::new(0.3, 0.5));
+        // From 0.7 at 0.3 to the tip; the table's entries miss the tip by less than 2 / 4095.
+        assert!((spans[3].lo - 0.7).abs() < 1e-3 && (spans[3].hi - 0.9).abs() < 1e-3);
+    }
+}

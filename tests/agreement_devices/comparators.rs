@@ -148,8 +148,7 @@ fn half_a_texel_is_out_of_bounds() {
         let mut case = Case::new(bench);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
             let wrong = case.spoiled(bench, |plan| {
-                plan.eye_from_lattice =
-                    plan.eye_from_lattice * DAffine3::from_translation(0.5 * axis);
+                plan.eye_from_lattice *= DAffine3::from_translation(0.5 * axis);
             });
             case.require_discerned(&format!("half a texel along {axis}"), &wrong);
         }
