@@ -92,6 +92,7 @@
 #![warn(missing_docs)]
 
 pub mod cli;
+pub mod conformance;
 pub mod gpu;
 pub mod image;
 pub mod interface;

@@ -7,4 +7,5 @@ mod slices;
 mod texels;
 
 pub use pages::{Page, PagedTarget, Slot};
-pub use slices::{SliceRenderer, Slices, Timings, soft_normals};
+pub use slices::{SliceRenderer, Slices, Timings, plan, soft_normals};
+pub use texels::Encoding;

@@ -114,12 +114,33 @@ impl SliceRenderer {
         spec: &FrameSpec,
         paged: &PagedTarget,
     ) -> Result<(Frame, Timings), ProjectError> {
+        let begin = Instant::now();
+        let plan = plan(spec, paged);
+        let planned = begin.elapsed();
+        let (frame, timings) = self.draw_plan(spec, paged, &plan)?;
+        Ok((
+            frame,
+            Timings {
+                plan: planned,
+                ..timings
+            },
+        ))
+    }
+
+    /// Draws what `plan` says, right or wrong, of a target that is on the device.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_plan(
+        &mut self,
+        spec: &FrameSpec,
+        paged: &PagedTarget,
+        plan: &SlicePlan,
+    ) -> Result<(Frame, Timings), ProjectError> {
         let size = self.checked_size(spec)?;
         let begin = Instant::now();
         let table = spec.table();
-        let plan = plan(spec, paged, &table);
-        let planned = Instant::now();
-        let job = Job::new(self, spec, paged, &plan, &table, size).map_err(device_error)?;
+        let job = Job::new(self, spec, paged, plan, &table, size).map_err(device_error)?;
         let prepared = Instant::now();
         job.run(&self.device).map_err(device_error)?;
         let drawn = Instant::now();
@@ -128,8 +149,8 @@ impl SliceRenderer {
         let range = spec.target.value_range;
         let frame = composite::resolve(settings.mode, &accumulated, range, spec.transfer);
         let timings = Timings {
-            plan: planned - begin,
-            prepare: prepared - planned,
+            plan: Duration::ZERO,
+            prepare: prepared - begin,
             draw: drawn - prepared,
             read_back: drawn.elapsed(),
         };
@@ -205,10 +226,11 @@ pub fn soft_normals(spec: &FrameSpec) -> Option<SoftNormals> {
     ))
 }
 
-fn plan(spec: &FrameSpec, paged: &PagedTarget, table: &TransferTable) -> SlicePlan {
+/// What [`SliceRenderer::draw`] draws of a target: its visible cubes, back to front.
+pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
     let range = spec.target.value_range;
     let values = if spec.settings.mode.classifies() {
-        VisibleValues::of(table, range)
+        VisibleValues::of(&spec.table(), range)
     } else {
         VisibleValues::all(range)
     };

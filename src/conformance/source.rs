@@ -1,0 +1,213 @@
+//! What a fragment can be: the shader's steps, in intervals.
+
+use super::field::Hull;
+use super::light::LightSpans;
+use super::precision::{Precision, ULP};
+use super::span::Span;
+use super::storage::Storage;
+use super::table::TableSpans;
+use crate::projection::{FrameSpec, Lens, Mode};
+
+/// The numbers that a fragment's channels can be.
+pub(super) type Spans = [Span; 4];
+
+/// Fragments of one frame.
+pub(super) struct Sources<'a> {
+    spec: &'a FrameSpec<'a>,
+    table: TableSpans,
+    lights: Option<LightSpans>,
+    storage: Storage,
+    /// Error of a filtered value and of a filtered coverage, in units of the format's largest number.
+    sum: f64,
+    near_mm: f64,
+    far_mm: f64,
+}
+
+/// Value times coverage, coverage, and their quotient, as the shader has them.
+struct Filtered {
+    weighted: Span,
+    coverage: Span,
+    fraction: Span,
+}
+
+impl<'a> Sources<'a> {
+    pub(super) fn new(
+        spec: &'a FrameSpec<'a>,
+        storage: &Storage,
+        precision: &Precision,
+        depth_mm: [f64; 2],
+    ) -> Self {
+        Self {
+            spec,
+            table: TableSpans::new(&spec.table()),
+            lights: spec
+                .shading()
+                .map(|shading| LightSpans::new(spec, shading, precision)),
+            storage: *storage,
+            sum: precision.sum_steps * storage.step + precision.sum,
+            near_mm: depth_mm[0],
+            far_mm: depth_mm[1],
+        }
+    }
+
+    /// The fragment of a sample at `depth` on a ray of `path` millimetres a millimetre of depth.
+    pub(super) fn over(&self, hull: &Hull, depth: f64, path: Span) -> Spans {
+        let filtered = self.filtered(hull);
+        let mode = self.spec.settings.mode;
+        if !mode.classifies() {
+            return accumulated(mode, &filtered, path);
+        }
+        let coverage = filtered.coverage;
+        let mut entry = self.table.over(filtered.fraction);
+        if matches!(self.spec.camera.lens, Lens::Perspective { .. }) {
+            entry = lengthened(&entry, path);
+        }
+        let [r, g, b, alpha] = entry;
+        let alpha_covered = (alpha * coverage).relaxed(2.0 * ULP);
+        if mode == Mode::XRay {
+            return [alpha_covered; 4];
+        }
+        let (factor, highlight) = self
+            .lights
+            .as_ref()
+            .map_or((Span::ONE, Span::ZERO), |lights| {
+                lights.over(&hull.normal, hull.mixed)
+            });
+        let cue = self.cue(depth);
+        // Three products and a sum, and the product with the cue and with the coverage.
+        let lit = |c: Span| ((factor * c + highlight * alpha) * cue * coverage).relaxed(6.0 * ULP);
+        [lit(r), lit(g), lit(b), alpha_covered]
+    }
+
+    fn filtered(&self, hull: &Hull) -> Filtered {
+        let Storage {
+            scale,
+            offset,
+            rounding,
+            step,
+            ..
+        } = self.storage;
+        // What is partly covered is rounded where it is stored, its value too.
+        let covering = if hull.crisp { 0.0 } else { 0.5 * step };
+        let read = self.sum + rounding.max(covering);
+        let arithmetic = 3.0 * ULP * (scale.abs() + offset.abs());
+        if !hull.mixed {
+            let fraction = hull.weighted.widened(scale.abs() * read + arithmetic);
+            return Filtered {
+                weighted: fraction,
+                coverage: Span::ONE,
+                fraction,
+            };
+        }
+        let coverage_read = self.sum + covering;
+        let by = scale.abs() * read + offset.abs() * coverage_read + arithmetic;
+        Filtered {
+            weighted: hull.weighted.widened(by),
+            coverage: hull.coverage.widened(coverage_read).not_negative(),
+            fraction: quotient(hull, by, coverage_read),
+        }
+    }
+
+    /// Depth, its distance from the nearest point, and the span between: three operations on rounded numbers.
+    fn cue(&self, depth: f64) -> Span {
+        let cue = &self.spec.settings.depth_cue;
+        let span = (self.far_mm - self.near_mm).max(f64::MIN_POSITIVE);
+        let farthest = self.near_mm.abs().max(self.far_mm.abs());
+        let by = f64::from(cue.strength) * 6.0 * ULP * (farthest / span + 1.0);
+        Span::around(cue.factor(depth, self.near_mm, self.far_mm), by + ULP)
+    }
+}
+
+/// A value mode's fragment: at most a difference and a product.
+fn accumulated(mode: Mode, filtered: &Filtered, path: Span) -> Spans {
+    let Filtered {
+        weighted, coverage, ..
+    } = *filtered;
+    let (value, weight) = match mode {
+        Mode::MinIp => (coverage - weighted, coverage),
+        Mode::Average => (weighted * path, coverage * path),
+        _ => (weighted, coverage),
+    };
+    let value = value.widened(2.0 * ULP * (weighted.magnitude() + coverage.magnitude()));
+    [value, value, value, weight.relaxed(2.0 * ULP)]
+}
+
+/// (w + e) / (c + d) for |e| ≤ `by` and |d| ≤ `coverage_by` differs from w/c by (e − (w/c)·d) / (c + d). Where the
+/// denominator may be 0, anything may come out.
+fn quotient(hull: &Hull, by: f64, coverage_by: f64) -> Span {
+    let least = hull.coverage.lo - coverage_by;
+    if least <= 0.0 {
+        return Span::new(f64::NEG_INFINITY, f64::INFINITY);
+    }
+    let error = (by + hull.fraction.magnitude() * coverage_by) / least;
+    // Vulkan lets a quotient be off by 2.5 units in the last place.
+    hull.fraction.widened(error).relaxed(3.0 * ULP)
+}
+
+/// A table entry for a path `path` times as long: `α' = 1 − (1−α)^path`, colour scaled by `α'/α`, which falls as α rises.
+///
+/// The power is `exp2(path · log2(1 − α))`. Vulkan lets log2 be off by 2⁻²¹ in [0.5, 2] and by 3 units elsewhere, and exp2
+/// by 3 + 2|x| units. No colour is above its α, so an error of α' is at most as large in the colour.
+fn lengthened([r, g, b, alpha]: &Spans, path: Span) -> Spans {
+    let longer = |a: f64, path: f64| 1.0 - (1.0 - a).max(0.0).powf(path);
+    let scale = |a: f64, path: f64| if a > 0.0 { longer(a, path) / a } else { path };
+    let error = power_error(alpha.hi, path.hi).max(power_error(alpha.lo, path.hi));
+    let color = |c: Span| {
+        Span::new(
+            c.lo * scale(alpha.hi, path.lo),
+            c.hi * scale(alpha.lo, path.hi),
+        )
+        .widened(error)
+        .relaxed(5.0 * ULP)
+        .not_negative()
+    };
+    let opacity = Span::new(longer(alpha.lo, path.lo), longer(alpha.hi, path.hi));
+    [
+        color(*r),
+        color(*g),
+        color(*b),
+        opacity.widened(error).not_negative(),
+    ]
+}
+
+/// The most that (1 − α)^path is off.
+fn power_error(alpha: f64, path: f64) -> f64 {
+    let through = (1.0 - alpha).clamp(0.0, 1.0);
+    if through == 0.0 {
+        return 0.0;
+    }
+    let log = through.log2();
+    let log_error = (3.0 * ULP * log.abs()).max(0.5f64.powi(21)) + ULP;
+    let exponent = path * log;
+    let exponent_error = path * log_error + ULP * exponent.abs();
+    let relative = exponent_error * std::f64::consts::LN_2 + (3.0 + 2.0 * exponent.abs()) * ULP;
+    // And the difference from 1.
+    exponent.exp2() * relative + ULP
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_longer_path_of_a_member_is_in_the_longer_path_of_the_span(
+            alpha in 0.0f64..0.99,
+            width in 0.0f64..0.01,
+            shade in 0.0f64..=1.0,
+            path in 1.0f64..1.5,
+            t in 0.0f64..=1.0,
+        ) {
+            let spans = [shade, shade, shade, 1.0].map(|c| Span::new(alpha, alpha + width).scaled(c));
+            let entry = [shade, shade, shade, 1.0].map(|c| (alpha + t * width) * c);
+            let longer_alpha = 1.0 - (1.0 - entry[3]).powf(path);
+            let exact = entry.map(|c| c * longer_alpha / entry[3].max(1e-300));
+            let longer = lengthened(&spans, Span::around(path, 1e-3));
+            for (span, c) in longer.into_iter().zip(exact) {
+                prop_assert!(span.lo <= c && c <= span.hi, "{c} is not in {span:?}");
+            }
+            prop_assert!(longer[3].width() < 2.0 * width + 1e-2);
+        }
+    }
+}

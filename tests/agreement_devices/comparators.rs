@@ -1,0 +1,183 @@
+//! Law 9: every comparison can fail. Each fault that this module makes must put at least eight pixels out of bounds.
+
+use glam::{DAffine3, DVec3};
+use vcsg::conformance::FrameBounds;
+use vcsg::image::Frame;
+use vcsg::model::{Combine, Model, Node};
+use vcsg::projection::{Mode, SlicePlan};
+use vcsg::target::{Subdivision, Target};
+use vcsg::volume::VoxelType;
+
+use crate::device::{Bench, Prepared, on_device};
+use crate::random::Random;
+use crate::scene::{Content, Recipe, Scene};
+
+/// A fault that fewer pixels show is not told from chance.
+const DISCERNED: usize = 8;
+
+const RECIPE: Recipe = Recipe {
+    seed: 7,
+    voxels: VoxelType::F32,
+    content: Content::Carved,
+    mode: Mode::Composite,
+    lit: false,
+    perspective: false,
+    blocks: [8, 8],
+};
+
+/// A scene that is within bounds, ready for a fault.
+struct Case {
+    scene: Scene,
+    prepared: Prepared,
+    bounds: FrameBounds,
+    right: Frame,
+}
+
+impl Case {
+    fn new(bench: &mut Bench) -> Self {
+        let scene = RECIPE.scene();
+        let prepared = bench.prepare(&scene.spec());
+        let bounds = bench.bounds(&scene.spec(), &prepared);
+        let right = bench.draw(&scene.spec(), &prepared);
+        assert_eq!(bounds.pixels_outside(&right), 0, "before the fault");
+        Self {
+            scene,
+            prepared,
+            bounds,
+            right,
+        }
+    }
+
+    fn require_discerned(&self, fault: &str, wrong: &Frame) {
+        let outside = self.bounds.pixels_outside(wrong);
+        println!("{fault}: {outside} pixels out of bounds");
+        assert!(outside >= DISCERNED, "{fault}: {outside}");
+    }
+
+    /// Draws a plan that `spoil` has changed.
+    fn spoiled(&mut self, bench: &mut Bench, spoil: impl FnOnce(&mut SlicePlan)) -> Frame {
+        let plan = self.prepared.plan.clone();
+        spoil(&mut self.prepared.plan);
+        let frame = bench.draw(&self.scene.spec(), &self.prepared);
+        self.prepared.plan = plan;
+        frame
+    }
+}
+
+/// The slices of a plan, box by box.
+fn without_box(plan: &mut SlicePlan, dropped: u32) {
+    plan.slices.retain(|slice| slice.slice_box != dropped);
+}
+
+/// Draws the boxes in the opposite order, each still from back to front.
+fn reversed(plan: &mut SlicePlan) {
+    plan.slices
+        .sort_by_key(|slice| std::cmp::Reverse(slice.slice_box));
+}
+
+/// Draws two boxes in each other's place.
+fn swapped(plan: &mut SlicePlan, [a, b]: [u32; 2]) {
+    plan.slices.sort_by_key(|slice| match slice.slice_box {
+        n if n == a => b,
+        n if n == b => a,
+        n => n,
+    });
+}
+
+#[test]
+#[ignore = "run for each device by the tests in main.rs"]
+fn a_shifted_pixel_is_out_of_bounds() {
+    on_device(|bench| {
+        let case = Case::new(bench);
+        let mut wrong = case.right.clone();
+        wrong.pixels_mut().rotate_right(1);
+        case.require_discerned("shifted by a pixel", &wrong);
+    });
+}
+
+#[test]
+#[ignore = "run for each device by the tests in main.rs"]
+fn a_dropped_block_is_out_of_bounds() {
+    on_device(|bench| {
+        let mut case = Case::new(bench);
+        let nearest = case.prepared.plan.boxes.len() as u32 - 1;
+        let wrong = case.spoiled(bench, |plan| without_box(plan, nearest));
+        case.require_discerned("without its nearest box", &wrong);
+    });
+}
+
+#[test]
+#[ignore = "run for each device by the tests in main.rs"]
+fn swapped_blocks_are_out_of_bounds() {
+    on_device(|bench| {
+        let mut case = Case::new(bench);
+        let wrong = case.spoiled(bench, reversed);
+        case.require_discerned("front to back", &wrong);
+        // The farthest box and the nearest that lies over it.
+        let boxes = case.prepared.plan.boxes.len() as u32;
+        let most = (1..boxes)
+            .map(|other| {
+                let wrong = case.spoiled(bench, |plan| swapped(plan, [0, other]));
+                case.bounds.pixels_outside(&wrong)
+            })
+            .max();
+        println!("two boxes swapped: {most:?} pixels out of bounds");
+        assert!(most >= Some(DISCERNED), "{most:?}");
+    });
+}
+
+#[test]
+#[ignore = "run for each device by the tests in main.rs"]
+fn flipped_operands_are_out_of_bounds() {
+    on_device(|bench| {
+        let mut case = Case::new(bench);
+        let lattice = case.scene.target.lattice;
+        let flipped =
+            Target::on_lattice(&flipped_model(), lattice, &subdivision()).expect("a target");
+        case.scene.target = flipped;
+        let prepared = bench.prepare(&case.scene.spec());
+        let wrong = bench.draw(&case.scene.spec(), &prepared);
+        case.require_discerned("the ball without the volume", &wrong);
+    });
+}
+
+#[test]
+#[ignore = "run for each device by the tests in main.rs"]
+fn half_a_texel_is_out_of_bounds() {
+    on_device(|bench| {
+        let mut case = Case::new(bench);
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            let wrong = case.spoiled(bench, |plan| {
+                plan.eye_from_lattice *= DAffine3::from_translation(0.5 * axis);
+            });
+            case.require_discerned(&format!("half a texel along {axis}"), &wrong);
+        }
+    });
+}
+
+fn subdivision() -> Subdivision {
+    let [min_block, max_block] = RECIPE.blocks;
+    Subdivision {
+        min_block,
+        max_block,
+        ..Subdivision::default()
+    }
+}
+
+/// The recipe's model with the operands of its subtraction exchanged.
+fn flipped_model() -> Model {
+    let mut model = Model::default();
+    let right = RECIPE.model(&mut Random(RECIPE.seed));
+    for node in right.nodes() {
+        let node = match node {
+            Node::Combine(combine) => Node::Combine(Combine {
+                first: combine.second,
+                second: combine.first,
+                ..combine.clone()
+            }),
+            other => other.clone(),
+        };
+        model.push(node);
+    }
+    model
+}
