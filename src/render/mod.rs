@@ -7,4 +7,4 @@ mod slices;
 mod texels;
 
 pub use pages::{Page, PagedTarget, Slot};
-pub use slices::{SliceRenderer, Slices, Timings};
+pub use slices::{SliceRenderer, Slices, Timings, plan, soft_normals};

@@ -117,7 +117,7 @@ impl SliceRenderer {
         let size = self.checked_size(spec)?;
         let begin = Instant::now();
         let table = spec.table();
-        let plan = plan(spec, paged, &table);
+        let plan = plan(spec, paged);
         let planned = Instant::now();
         let job = Job::new(self, spec, paged, &plan, &table, size).map_err(device_error)?;
         let prepared = Instant::now();
@@ -205,10 +205,11 @@ pub fn soft_normals(spec: &FrameSpec) -> Option<SoftNormals> {
     ))
 }
 
-fn plan(spec: &FrameSpec, paged: &PagedTarget, table: &TransferTable) -> SlicePlan {
+/// What [`SliceRenderer::draw`] draws of a target: its visible cubes, back to front.
+pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
     let range = spec.target.value_range;
     let values = if spec.settings.mode.classifies() {
-        VisibleValues::of(table, range)
+        VisibleValues::of(&spec.table(), range)
     } else {
         VisibleValues::all(range)
     };
