@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec2;
+use serde::Serialize;
 use vcsg::gpu::{Device, DeviceSelector, Instance, Validation};
 use vcsg::image::Frame;
 use vcsg::math::affine;
@@ -72,8 +73,8 @@ impl Drawing {
         Ok((frame, timings, run))
     }
 
-    /// Fragments of a frame: the area of all its polygons in pixels, cut off by no edge of the frame.
-    pub fn fragments(&self) -> f64 {
+    /// What a frame draws.
+    pub fn work(&self) -> Work {
         let plan = plan(&spec(&self.target, &self.look), &self.paged);
         let pixel = |p| {
             let eye = affine::point(&plan.eye_from_lattice, p);
@@ -81,8 +82,23 @@ impl Drawing {
         };
         let polygon =
             |slice| -> Vec<DVec2> { plan.polygon(slice).into_iter().map(pixel).collect() };
-        plan.slices.iter().map(|slice| area(&polygon(slice))).sum()
+        Work {
+            boxes: plan.boxes.len(),
+            polygons: plan.slices.len(),
+            fragments: plan.slices.iter().map(|slice| area(&polygon(slice))).sum(),
+        }
     }
+}
+
+/// How much a frame draws.
+#[derive(Clone, Copy, Serialize)]
+pub struct Work {
+    /// Visible cubes.
+    pub boxes: usize,
+    /// Slices of all of them.
+    pub polygons: usize,
+    /// The area of all polygons in pixels, cut off by no edge of the frame.
+    pub fragments: f64,
 }
 
 fn spec<'a>(target: &'a Target, look: &'a Look) -> FrameSpec<'a> {

@@ -12,7 +12,7 @@ use vcsg::target::Subdivision;
 
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Work};
 use crate::picture::{self, Difference};
 use crate::runs::{Ratios, Run, Summary, median};
 use crate::scene::{self, FRAME_EDGE, Look};
@@ -109,7 +109,7 @@ pub struct Comparison {
     pub bar: Bar,
     difference: Difference,
     blocks: usize,
-    fragments: f64,
+    work: Work,
     stages: Stages,
 }
 
@@ -211,7 +211,7 @@ impl Case {
             theirs,
             faster,
             blocks: drawing.target.blocks.len(),
-            fragments: drawing.fragments(),
+            work: drawing.work(),
             stages: Stages::of(&builds, &timings),
         })
     }
@@ -263,7 +263,7 @@ impl Comparison {
 fn print_stages(comparisons: &[Comparison]) {
     println!("\nWhere our time goes, milliseconds (medians)");
     println!(
-        "{:<22} {:>9} {:>19} {:>8} {:>8} {:>8} {:>9} {:>7} {:>11}",
+        "{:<22} {:>9} {:>19} {:>8} {:>8} {:>8} {:>9} {:>7} {:>7} {:>9} {:>11}",
         "",
         "subdivide",
         "reconstruct+upload",
@@ -272,12 +272,14 @@ fn print_stages(comparisons: &[Comparison]) {
         "draw",
         "read back",
         "blocks",
+        "boxes",
+        "polygons",
         "Mfragments"
     );
     for c in comparisons {
         let s = &c.stages;
         println!(
-            "{:<22} {:9.1} {:19.1} {:8.1} {:8.1} {:8.1} {:9.1} {:7} {:11.1}",
+            "{:<22} {:9.1} {:19.1} {:8.1} {:8.1} {:8.1} {:9.1} {:7} {:7} {:9} {:11.1}",
             c.what,
             s.subdivide_ms,
             s.reconstruct_and_upload_ms,
@@ -286,7 +288,9 @@ fn print_stages(comparisons: &[Comparison]) {
             s.draw_ms,
             s.read_back_ms,
             c.blocks,
-            c.fragments / 1e6
+            c.work.boxes,
+            c.work.polygons,
+            c.work.fragments / 1e6
         );
     }
 }

@@ -10,7 +10,7 @@ use vcsg::target::Subdivision;
 
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, Work};
 use crate::quads::{self, SAMPLES};
 use crate::runs::{Run, Summary};
 use crate::scene::{self, Look, SIDE};
@@ -28,7 +28,7 @@ enum Against {
 struct Subject {
     what: &'static str,
     drawing: Drawing,
-    fragments: f64,
+    work: Work,
     against: Against,
     runs: Vec<Run>,
 }
@@ -38,13 +38,13 @@ struct Subject {
 pub struct Rate {
     what: String,
     blocks: usize,
-    fragments: f64,
+    work: Work,
     /// Of the draw stage by the wall clock; processor time is the whole frame's.
     seconds: Summary,
     /// Fragments a second, by the median.
     per_s: f64,
-    /// Of the full-screen quads' rate, by medians.
-    of_device: f64,
+    /// Of the full-screen quads' rate, by medians and by least times.
+    of_device: [f64; 2],
     /// Of the rate it is held against, by medians and by least times.
     of_one_block: Option<[f64; 2]>,
     /// The bar, if it has one.
@@ -85,7 +85,7 @@ fn subject(
     let drawing = Drawing::new(device, model, subdivision, look)?;
     Ok(Subject {
         what,
-        fragments: drawing.fragments(),
+        work: drawing.work(),
         drawing,
         against,
         runs: Vec::new(),
@@ -161,13 +161,13 @@ pub fn measure(device: &Arc<Device>, repetitions: usize) -> Outcome<Rates> {
 impl Rates {
     fn add(&mut self, subject: Subject) {
         let seconds = Summary::of(subject.runs);
-        let per_s = subject.fragments / seconds.median_s;
+        let per_s = subject.work.fragments / seconds.median_s;
         let (of_one_block, bar) = match subject.against {
             Against::Nothing => (None, None),
             Against::Earlier(place, least) => {
                 let other = &self.rates[place];
-                let at_best = subject.fragments / seconds.min_s;
-                let theirs_at_best = other.fragments / other.seconds.min_s;
+                let at_best = subject.work.fragments / seconds.min_s;
+                let theirs_at_best = other.work.fragments / other.seconds.min_s;
                 let ratios = [per_s / other.per_s, at_best / theirs_at_best];
                 let bar = Bar {
                     what: format!("rate of {} to that of {}", subject.what, other.what),
@@ -180,8 +180,11 @@ impl Rates {
         self.rates.push(Rate {
             what: subject.what.to_owned(),
             blocks: subject.drawing.target.blocks.len(),
-            fragments: subject.fragments,
-            of_device: per_s / self.quads_per_s,
+            work: subject.work,
+            of_device: [
+                per_s / self.quads_per_s,
+                subject.work.fragments / seconds.min_s / self.quads_per_s_at_best,
+            ],
             seconds,
             per_s,
             of_one_block,
@@ -192,20 +195,23 @@ impl Rates {
     fn print(&self, quads_by_processor: f64) {
         println!("\nMillions of fragments a second, drawing alone (unshaded)");
         println!(
-            "{:<32} {:>7} {:>11} {:>7} {:>7} {:>8} {:>10} {:>13} {:>6}  bar",
+            "{:<32} {:>7} {:>9} {:>11} {:>7} {:>7} {:>8} {:>10} {:>6} {:>13} {:>6}  bar",
             "",
             "blocks",
+            "polygons",
             "Mfragments",
             "median",
             "best",
             "a CPU s",
             "of device",
+            "best",
             "of one block",
             "best"
         );
         println!(
-            "{:<32} {:>7} {:11.1} {:7.1} {:7.1} {:8.1}",
+            "{:<32} {:>7} {:>9} {:11.1} {:7.1} {:7.1} {:8.1}",
             "full-screen quads",
+            "",
             "",
             f64::from(SAMPLES) / 1e6,
             self.quads_per_s / 1e6,
@@ -225,14 +231,16 @@ impl Rate {
             });
         let bar = self.bar.as_ref().map_or(String::new(), Bar::to_string);
         println!(
-            "{:<32} {:7} {:11.1} {:7.1} {:7.1} {:8.1} {:10.2} {one:>13} {best:>6}  {bar}",
+            "{:<32} {:7} {:9} {:11.1} {:7.1} {:7.1} {:8.1} {:10.2} {:6.2} {one:>13} {best:>6}  {bar}",
             self.what,
             self.blocks,
-            self.fragments / 1e6,
+            self.work.polygons,
+            self.work.fragments / 1e6,
             self.per_s / 1e6,
-            self.fragments / self.seconds.min_s / 1e6,
-            self.fragments / self.seconds.cpu_min_s / 1e6,
-            self.of_device
+            self.work.fragments / self.seconds.min_s / 1e6,
+            self.work.fragments / self.seconds.cpu_min_s / 1e6,
+            self.of_device[0],
+            self.of_device[1]
         );
     }
 }
