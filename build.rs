@@ -17,8 +17,7 @@ fn main() {
         .into_iter()
         .try_for_each(|(folder, module)| compile_folder(folder, module));
     if let Err(text) = result {
-        text.lines()
-            .for_each(|line| println!("cargo::error={line}"));
+        text.lines().for_each(|line| println!("cargo::error={line}"));
     }
 }
 
@@ -31,9 +30,8 @@ fn compile_folder(folder: &str, module: &str) -> Result<(), String> {
         text += &constant(&path, &name, &compile(&path)?);
         list += &format!("({file:?}, {name}), ");
     }
-    text += &format!(
-        "/// Every shader: its file's name and its SPIR-V.\npub const ALL: &[(&str, &[u32])] = &[{list}];\n"
-    );
+    text +=
+        &format!("/// Every shader: its file's name and its SPIR-V.\npub const ALL: &[(&str, &[u32])] = &[{list}];\n");
     let out = env::var("OUT_DIR").map_err(|error| format!("OUT_DIR: {error}"))?;
     let out = Path::new(&out).join(module);
     fs::write(&out, text).map_err(|error| format!("{}: {error}", out.display()))
@@ -44,9 +42,7 @@ fn shaders_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Ok(Vec::new());
     };
-    let paths: Result<Vec<_>, _> = entries
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect();
+    let paths: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| entry.path())).collect();
     let mut paths = paths.map_err(|error| format!("{}: {error}", folder.display()))?;
     paths.retain(|path| stage(path).is_some());
     paths.sort();
@@ -76,17 +72,12 @@ fn compile(path: &Path) -> Result<Vec<u32>, String> {
 
 fn options() -> Result<shaderc::CompileOptions<'static>, shaderc::Error> {
     let mut options = shaderc::CompileOptions::new()?;
-    options.set_target_env(
-        shaderc::TargetEnv::Vulkan,
-        shaderc::EnvVersion::Vulkan1_3 as u32,
-    );
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     // Keeps the names, by which a test finds the shared structures; devices skip them.
     options.set_generate_debug_info();
     options.set_warnings_as_errors();
-    options.set_include_callback(|wanted, _, from, _| {
-        include(wanted).map_err(|error| format!("{from}: {error}"))
-    });
+    options.set_include_callback(|wanted, _, from, _| include(wanted).map_err(|error| format!("{from}: {error}")));
     Ok(options)
 }
 
@@ -109,10 +100,7 @@ fn names(path: &Path) -> Result<(String, String), String> {
         .file_name()
         .and_then(|name| name.to_str())
         .ok_or_else(|| format!("{}: odd name", path.display()))?;
-    Ok((
-        file.to_owned(),
-        file.replace(['.', '-'], "_").to_uppercase(),
-    ))
+    Ok((file.to_owned(), file.replace(['.', '-'], "_").to_uppercase()))
 }
 
 fn constant(path: &Path, name: &str, spirv: &[u32]) -> String {

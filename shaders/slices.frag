@@ -54,10 +54,15 @@ void main() {
     float coverage = MIXED ? stored.g : 1.0;
     float weighted = frame.values.x * stored.r + frame.values.y * coverage;
     float path_per_depth = PERSPECTIVE ? sqrt(1.0 + dot(ray_slope, ray_slope)) : 1.0;
-    if (MODE == MODE_MIP || MODE == MODE_MINIP || MODE == MODE_AVERAGE) {
-        float value = MODE == MODE_MINIP ? coverage - weighted : weighted;
-        float weight = MODE == MODE_AVERAGE ? path_per_depth : 1.0;
-        color = vec4(vec3(value), coverage) * weight;
+    switch (MODE) {
+    case MODE_MIP:
+        color = vec4(vec3(weighted), coverage);
+        return;
+    case MODE_MINIP:
+        color = vec4(vec3(coverage - weighted), coverage);
+        return;
+    case MODE_AVERAGE:
+        color = vec4(vec3(weighted), coverage) * path_per_depth;
         return;
     }
     // Where nothing is covered the quotient is any number, and its colour weighs nothing.

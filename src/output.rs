@@ -32,10 +32,7 @@ impl Drop for Part {
 ///
 /// # Errors
 /// [`OutputError`] if the folder is missing or read-only, the disk is full, `path` is a folder, or `write` fails.
-pub fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), OutputError> {
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), OutputError> {
     // A link stays a link: what it points to is replaced.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let written = match fs::metadata(&target) {
@@ -49,24 +46,15 @@ pub fn write_whole(
     })
 }
 
-fn write_in_place(
-    target: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> io::Result<()> {
+fn write_in_place(target: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
     let mut out = BufWriter::new(OpenOptions::new().write(true).open(target)?);
     write(&mut out)?;
     out.flush()
 }
 
-fn write_beside(
-    target: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> io::Result<()> {
+fn write_beside(target: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
     let path = part_path(target)?;
-    let file = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&path)?;
+    let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
     let part = Part { path };
     let mut out = BufWriter::new(file);
     write(&mut out)?;

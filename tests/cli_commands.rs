@@ -43,11 +43,7 @@ fn folder() -> TempDir {
 
 fn vcsg(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vcsg"));
-    command
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
+    command.current_dir(folder).args(arguments).output().unwrap()
 }
 
 /// The standard output of a run that must succeed.
@@ -70,10 +66,7 @@ fn fail(folder: &Path, arguments: &[&str]) -> String {
     let before = names(folder);
     let output = vcsg(folder, arguments);
     let message = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        matches!(output.status.code(), Some(1 | 2)),
-        "{arguments:?}: {message}"
-    );
+    assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments:?}: {message}");
     assert!(message.starts_with("error: "), "{arguments:?}: {message}");
     assert!(!message.contains("panicked"), "{message}");
     assert!(output.stdout.is_empty(), "{arguments:?}");
@@ -82,10 +75,7 @@ fn fail(folder: &Path, arguments: &[&str]) -> String {
 }
 
 fn names(folder: &Path) -> Vec<PathBuf> {
-    let mut names: Vec<_> = fs::read_dir(folder)
-        .unwrap()
-        .map(|e| e.unwrap().path())
-        .collect();
+    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
     names.sort();
     names
 }
@@ -194,10 +184,7 @@ fn a_baked_scene_is_a_volume_with_the_scene_in_it() {
     let exact = 0.75 * 4.0 / 3.0 * std::f64::consts::PI * 8000.0;
     // The boundary's voxels, half of 5,000 mm² of surface times 2 mm, are in or out by their centres: evenly, so far less than
     // a tenth of them are wrong.
-    assert!(
-        (inside - exact).abs() < 500.0,
-        "{inside} mm³ instead of {exact}"
-    );
+    assert!((inside - exact).abs() < 500.0, "{inside} mm³ instead of {exact}");
 }
 
 #[test]
@@ -220,10 +207,7 @@ const MISTAKES: &[(&[&str], &str)] = &[
         &["render", "typo.kdl", "-o", "a.png"],
         "typo.kdl:2:3: unknown node `shpere`",
     ),
-    (
-        &["render", "typo.kdl", "-o", "a.png"],
-        "did you mean `sphere`?",
-    ),
+    (&["render", "typo.kdl", "-o", "a.png"], "did you mean `sphere`?"),
     (&["render", "scene.kdl", "-o", "a.jpeg"], "a.jpeg"),
     (
         &[
@@ -243,63 +227,21 @@ const MISTAKES: &[(&[&str], &str)] = &[
         "ct-bone",
     ),
     (
-        &[
-            "render",
-            "scene.kdl",
-            "-o",
-            "a.png",
-            "--window",
-            "5",
-            "--level",
-            "3",
-        ],
+        &["render", "scene.kdl", "-o", "a.png", "--window", "5", "--level", "3"],
         "--preset",
     ),
+    (&["render", "scene.kdl", "-o", "a.png", "--window", "5"], "--level"),
+    (&["render", "scene.kdl", "-o", "a.png", "--zoom", "0"], "--zoom"),
+    (&["render", "scene.kdl", "-o", "a.png", "--size", "0x9"], "1024x768"),
     (
-        &["render", "scene.kdl", "-o", "a.png", "--window", "5"],
-        "--level",
-    ),
-    (
-        &["render", "scene.kdl", "-o", "a.png", "--zoom", "0"],
-        "--zoom",
-    ),
-    (
-        &["render", "scene.kdl", "-o", "a.png", "--size", "0x9"],
-        "1024x768",
-    ),
-    (
-        &[
-            "render",
-            "scene.kdl",
-            "-o",
-            "a.png",
-            "--device",
-            "no such device",
-        ],
+        &["render", "scene.kdl", "-o", "a.png", "--device", "no such device"],
         "no such device",
     ),
     (
-        &[
-            "render",
-            "huge.kdl",
-            "-o",
-            "a.png",
-            "--renderer",
-            "reference",
-        ],
+        &["render", "huge.kdl", "-o", "a.png", "--renderer", "reference"],
         "budget is 1 MiB",
     ),
-    (
-        &[
-            "render",
-            "open.kdl",
-            "-o",
-            "a.png",
-            "--renderer",
-            "reference",
-        ],
-        "",
-    ),
+    (&["render", "open.kdl", "-o", "a.png", "--renderer", "reference"], ""),
     (&["bake", "scene.kdl", "-o", "a.vtk"], ".nrrd"),
     (&["bake", "scene.kdl", "-o", "none/a.nrrd"], "none/a.nrrd"),
     (&["paint"], "paint"),
@@ -347,19 +289,11 @@ fn a_reader_that_goes_away_ends_the_program_quietly() {
     command
         .current_dir(folder.path())
         .args(["info", "--json", "volume.nrrd"]);
-    let mut child = command
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    drop(child.stdout.take());
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let mut child = command.stdout(writer).stderr(Stdio::piped()).spawn().unwrap();
     let mut message = String::new();
-    child
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut message)
-        .unwrap();
+    child.stderr.take().unwrap().read_to_string(&mut message).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1));
     assert_eq!(message, "");
 }
@@ -373,8 +307,5 @@ fn help_has_examples_and_devices_are_listed() {
         assert!(help.contains("Examples:"), "{help}");
     }
     let devices = json(folder.path(), &["devices", "--json"]);
-    assert_eq!(
-        devices["devices"][0]["uuid"].as_str().map(str::len),
-        Some(36)
-    );
+    assert_eq!(devices["devices"][0]["uuid"].as_str().map(str::len), Some(36));
 }

@@ -21,10 +21,7 @@ impl Found {
         match ty {
             Type::Struct(structure) => {
                 self.structures.push(structure.clone());
-                structure
-                    .members
-                    .iter()
-                    .for_each(|member| self.add(&member.ty));
+                structure.members.iter().for_each(|member| self.add(&member.ty));
             }
             Type::Array(array) => {
                 if let Type::Struct(element) = &*array.element_ty {
@@ -42,10 +39,7 @@ impl Found {
 fn reflected(spirv: &[u32]) -> Found {
     let config = ReflectConfig::new().spv(spirv).ref_all_rscs(true).reflect();
     let mut found = Found::default();
-    let variables = config
-        .expect("SPIR-V")
-        .into_iter()
-        .flat_map(|entry| entry.vars);
+    let variables = config.expect("SPIR-V").into_iter().flat_map(|entry| entry.vars);
     variables.for_each(|variable| found.add(variable.ty()));
     found
 }
@@ -79,10 +73,7 @@ fn every_shared_structure_has_one_layout() {
         }
         for (name, stride) in &found.strides {
             let size = by_name.get(name.as_str()).map(|layout| layout.size);
-            assert!(
-                size.is_none() || size == *stride,
-                "the stride of an array of {name}"
-            );
+            assert!(size.is_none() || size == *stride, "the stride of an array of {name}");
         }
     }
     let all: BTreeSet<_> = by_name.keys().copied().collect();

@@ -53,23 +53,13 @@ fn an_included_scene_is_one_node_and_is_read_once() {
 fn includes_that_double_at_each_level_stay_small() {
     let texts: Vec<(String, String)> = (0..60)
         .map(|i| {
-            let name = if i == 0 {
-                "main.kdl".into()
-            } else {
-                format!("f{i}.kdl")
-            };
+            let name = if i == 0 { "main.kdl".into() } else { format!("f{i}.kdl") };
             let next = format!("include \"f{}.kdl\"", i + 1);
-            (
-                name,
-                format!("scene {{ {next}; translate \"1 0 0\" {{ {next} }} }}"),
-            )
+            (name, format!("scene {{ {next}; translate \"1 0 0\" {{ {next} }} }}"))
         })
         .chain([("f60.kdl".into(), "scene { sphere radius=1 }".into())])
         .collect();
-    let files: Vec<_> = texts
-        .iter()
-        .map(|(name, text)| (&name[..], &text[..]))
-        .collect();
+    let files: Vec<_> = texts.iter().map(|(name, text)| (&name[..], &text[..])).collect();
     assert_eq!(load(&folder(&files)).unwrap().model.nodes().len(), 121);
 }
 
@@ -83,20 +73,11 @@ fn a_cycle_of_includes_names_its_files() {
     let error = load(&folder).unwrap_err();
     assert!(error.file().ends_with("b.kdl"), "{error}");
     assert_eq!(error.place(), Some((2, 12)));
-    assert!(
-        error.to_string().contains("a.kdl → b.kdl → a.kdl"),
-        "{error}"
-    );
-    fs::write(
-        folder.path().join("b.kdl"),
-        "scene { include \"main.kdl\" }",
-    )
-    .unwrap();
+    assert!(error.to_string().contains("a.kdl → b.kdl → a.kdl"), "{error}");
+    fs::write(folder.path().join("b.kdl"), "scene { include \"main.kdl\" }").unwrap();
     let error = load(&folder).unwrap_err();
     assert!(
-        error
-            .to_string()
-            .contains("main.kdl → a.kdl → b.kdl → main.kdl"),
+        error.to_string().contains("main.kdl → a.kdl → b.kdl → main.kdl"),
         "{error}"
     );
 }
@@ -116,19 +97,11 @@ fn an_error_in_an_included_file_is_placed_there() {
 fn includes_count_towards_the_depth() {
     let names: Vec<String> = (0..=MAX_DEPTH).map(|i| format!("f{i}.kdl")).collect();
     let mut files: Vec<(String, String)> = (0..MAX_DEPTH)
-        .map(|i| {
-            (
-                names[i].clone(),
-                format!("scene {{ include \"{}\" }}", names[i + 1]),
-            )
-        })
+        .map(|i| (names[i].clone(), format!("scene {{ include \"{}\" }}", names[i + 1])))
         .collect();
     files.push((names[MAX_DEPTH].clone(), "scene { sphere radius=1 }".into()));
     files.push(("main.kdl".into(), "scene { include \"f0.kdl\" }".into()));
-    let files: Vec<_> = files
-        .iter()
-        .map(|(name, text)| (&name[..], &text[..]))
-        .collect();
+    let files: Vec<_> = files.iter().map(|(name, text)| (&name[..], &text[..])).collect();
     let error = load(&folder(&files)).unwrap_err();
     assert_eq!(*error.problem(), Problem::TooDeep { limit: MAX_DEPTH });
 }
@@ -145,8 +118,7 @@ fn a_nest_of_thirty_thousand_is_refused_with_its_place() {
 #[test]
 fn the_deepest_nest_is_read_on_a_test_thread() {
     let levels = MAX_DEPTH - 1;
-    let text =
-        "mirror normal=\"1 0 0\" {\n".repeat(levels) + "sphere radius=1\n" + &"}\n".repeat(levels);
+    let text = "mirror normal=\"1 0 0\" {\n".repeat(levels) + "sphere radius=1\n" + &"}\n".repeat(levels);
     let scene = parse(&format!("scene {{\n{text}}}\n")).unwrap();
     assert_eq!(scene.model.nodes().len(), MAX_DEPTH);
 }
@@ -178,16 +150,8 @@ fn files_that_are_no_text_are_refused() {
             .unwrap_err()
             .to_string()
     };
-    assert!(
-        refuse("none.kdl").contains("cannot read"),
-        "{}",
-        refuse("none.kdl")
-    );
-    assert!(
-        refuse("dir.kdl").contains("cannot read"),
-        "{}",
-        refuse("dir.kdl")
-    );
+    assert!(refuse("none.kdl").contains("cannot read"), "{}", refuse("none.kdl"));
+    assert!(refuse("dir.kdl").contains("cannot read"), "{}", refuse("dir.kdl"));
     fs::write(folder.path().join("bin.kdl"), [b'a', 0xff, 0xfe]).unwrap();
     assert!(
         refuse("bin.kdl").contains("byte 1 is not UTF-8"),
@@ -232,17 +196,11 @@ fn a_volume_is_loaded_once_relative_to_its_file() {
     let asked: Vec<_> = recorder.0.iter().map(|r| r.path.clone()).collect();
     assert_eq!(
         asked,
-        [
-            folder.path().join("a.nrrd"),
-            folder.path().join("sub").join("b.raw")
-        ]
+        [folder.path().join("a.nrrd"), folder.path().join("sub").join("b.raw")]
     );
     let raw = recorder.0[1].raw.unwrap();
     assert_eq!((raw.dims, raw.order), ([4, 5, 6], ByteOrder::Big));
-    assert_eq!(
-        raw.world_from_index,
-        DAffine3::from_scale(DVec3::new(1.0, 1.0, 2.0))
-    );
+    assert_eq!(raw.world_from_index, DAffine3::from_scale(DVec3::new(1.0, 1.0, 2.0)));
     let window = |node: &Node| match node {
         Node::Volume(leaf) => Some((leaf.window.lo, leaf.window.hi)),
         _ => None,
@@ -267,13 +225,7 @@ fn a_bare_volume_is_a_scene() {
     let path = Path::new("/data/a \"b\".nii.gz");
     let scene = Scene::open(path, &mut Recorder::default()).unwrap();
     assert_eq!(scene.model.nodes().len(), 1);
-    let again = Scene::parse(
-        "again",
-        scene.to_text(),
-        Path::new("/"),
-        &mut Recorder::default(),
-    )
-    .unwrap();
+    let again = Scene::parse("again", scene.to_text(), Path::new("/"), &mut Recorder::default()).unwrap();
     assert_eq!(again.model.nodes().len(), 1);
     let error = Scene::open(Path::new("bad.nrrd"), &mut Recorder::default()).unwrap_err();
     assert_eq!(
@@ -292,13 +244,7 @@ fn every_example_of_the_document_is_a_scene() {
         .collect();
     assert!(examples.len() >= 5);
     for example in examples {
-        Scene::parse(
-            "docs/SCENE.md",
-            example,
-            Path::new("."),
-            &mut Recorder::default(),
-        )
-        .unwrap();
+        Scene::parse("docs/SCENE.md", example, Path::new("."), &mut Recorder::default()).unwrap();
     }
 }
 

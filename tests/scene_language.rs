@@ -23,9 +23,7 @@ fn nodes(shapes: &str) -> Vec<Node> {
 
 fn transform_of(shapes: &str) -> DAffine3 {
     match nodes(shapes).pop() {
-        Some(Node::Transform {
-            parent_from_child, ..
-        }) => parent_from_child,
+        Some(Node::Transform { parent_from_child, .. }) => parent_from_child,
         other => panic!("{other:?}"),
     }
 }
@@ -42,20 +40,8 @@ fn leaves_have_their_geometry_and_value() {
         other => panic!("{other:?}"),
     };
     let center = DVec3::new(1.0, 2.0, 3.0);
-    assert_eq!(
-        primitive(&all[0]),
-        (
-            Shape::Sphere {
-                center,
-                radius: 2.0
-            },
-            100.0
-        )
-    );
-    assert_eq!(
-        primitive(&all[1]),
-        (Shape::Box(Aabb::new(-DVec3::ONE, center)), 1.0)
-    );
+    assert_eq!(primitive(&all[0]), (Shape::Sphere { center, radius: 2.0 }, 100.0));
+    assert_eq!(primitive(&all[1]), (Shape::Box(Aabb::new(-DVec3::ONE, center)), 1.0));
     match primitive(&all[2]).0 {
         Shape::HalfSpace(plane) => assert_eq!((plane.normal, plane.offset), (DVec3::Z, -5.0)),
         other => panic!("{other:?}"),
@@ -64,9 +50,7 @@ fn leaves_have_their_geometry_and_value() {
 
 #[test]
 fn set_operations_fold_from_the_left() {
-    let all = nodes(
-        "subtract family=\"product\" {\n sphere radius=1\n sphere radius=2\n sphere radius=3\n}",
-    );
+    let all = nodes("subtract family=\"product\" {\n sphere radius=1\n sphere radius=2\n sphere radius=3\n}");
     let combine = |node: &Node| match node {
         Node::Combine(c) => c.clone(),
         other => panic!("{other:?}"),
@@ -74,10 +58,7 @@ fn set_operations_fold_from_the_left() {
     let (inner, outer) = (combine(&all[3]), combine(&all[4]));
     assert_eq!((inner.first.index(), inner.second.index()), (0, 1));
     assert_eq!((outer.first.index(), outer.second.index()), (3, 2));
-    for Combine {
-        op, rule, family, ..
-    } in [inner, outer]
-    {
+    for Combine { op, rule, family, .. } in [inner, outer] {
         assert_eq!(
             (op, rule, family),
             (BooleanOp::Subtraction, ValueRule::First, Family::Product)
@@ -87,10 +68,7 @@ fn set_operations_fold_from_the_left() {
 
 #[test]
 fn value_rules_have_their_names() {
-    let rule_of = |attributes: &str, name: &str| match nodes(&format!(
-        "{name} {attributes} {{ {BALL}; {BALL} }}"
-    ))
-    .pop()
+    let rule_of = |attributes: &str, name: &str| match nodes(&format!("{name} {attributes} {{ {BALL}; {BALL} }}")).pop()
     {
         Some(Node::Combine(c)) => c.rule,
         other => panic!("{other:?}"),
@@ -119,22 +97,14 @@ fn transforms_move_points_where_they_should() {
     let tolerance = 16.0 * 8.0 * f64::EPSILON;
     for (text, from, to) in [
         ("translate \"1 2 3\"", [1.0, 1.0, 1.0], [2.0, 3.0, 4.0]),
-        (
-            "rotate axis=\"0 0 2\" angle=90",
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-        ),
+        ("rotate axis=\"0 0 2\" angle=90", [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
         (
             "rotate axis=\"0 0 1\" angle=90 center=\"1 0 0\"",
             [2.0, 0.0, 0.0],
             [1.0, 1.0, 0.0],
         ),
         ("scale 2", [1.0, 2.0, 3.0], [2.0, 4.0, 6.0]),
-        (
-            "scale \"1 2 -1\" center=\"0 1 0\"",
-            [1.0, 2.0, 3.0],
-            [1.0, 3.0, -3.0],
-        ),
+        ("scale \"1 2 -1\" center=\"0 1 0\"", [1.0, 2.0, 3.0], [1.0, 3.0, -3.0]),
         ("mirror normal=\"3 0 0\"", [1.0, 2.0, 3.0], [-1.0, 2.0, 3.0]),
         (
             "mirror point=\"5 9 9\" normal=\"1 0 0\"",
@@ -142,18 +112,10 @@ fn transforms_move_points_where_they_should() {
             [9.0, 2.0, 3.0],
         ),
         ("shear xy=0.5 zx=2", [1.0, 2.0, 3.0], [2.0, 2.0, 5.0]),
-        (
-            "matrix \"0 1 0 5  0 0 1 6  1 0 0 7\"",
-            [1.0, 2.0, 3.0],
-            [7.0, 9.0, 8.0],
-        ),
+        ("matrix \"0 1 0 5  0 0 1 6  1 0 0 7\"", [1.0, 2.0, 3.0], [7.0, 9.0, 8.0]),
     ] {
-        let moved =
-            transform_of(&format!("{text} {{ {BALL} }}")).transform_point3(DVec3::from(from));
-        assert!(
-            (moved - DVec3::from(to)).length() <= tolerance,
-            "{text}: {moved}"
-        );
+        let moved = transform_of(&format!("{text} {{ {BALL} }}")).transform_point3(DVec3::from(from));
+        assert!((moved - DVec3::from(to)).length() <= tolerance, "{text}: {moved}");
     }
 }
 
@@ -167,10 +129,7 @@ fn maps_and_cuts_wrap_the_union_of_their_children() {
         scale: 2.0,
         offset: 0.0,
     };
-    assert_eq!(
-        map_of(&format!("map linear scale=2 {{ {BALL}; {BALL} }}")),
-        (linear, 2)
-    );
+    assert_eq!(map_of(&format!("map linear scale=2 {{ {BALL}; {BALL} }}")), (linear, 2));
     let quadratic = ValueMap::Quadratic {
         a: 0.0,
         b: 3.0,
@@ -185,11 +144,7 @@ fn maps_and_cuts_wrap_the_union_of_their_children() {
         map_of(&format!("map table {{ at 0 0; at 100 255; {BALL} }}")),
         (table, 0)
     );
-    match nodes(&format!(
-        "cut normal=\"0 1 0\" point=\"0 2 0\" {{ {BALL} }}"
-    ))
-    .pop()
-    {
+    match nodes(&format!("cut normal=\"0 1 0\" point=\"0 2 0\" {{ {BALL} }}")).pop() {
         Some(Node::Cut { plane, .. }) => assert_eq!((plane.normal, plane.offset), (DVec3::Y, -2.0)),
         other => panic!("{other:?}"),
     }
@@ -235,17 +190,10 @@ render mode="mip" samples-per-voxel=2 size="640x480"
         (Boundary::Centre, Some(8))
     );
     assert_eq!(
-        (
-            scene.view.azimuth_deg,
-            scene.view.elevation_deg,
-            scene.view.roll_deg
-        ),
+        (scene.view.azimuth_deg, scene.view.elevation_deg, scene.view.roll_deg),
         (30.0, -20.0, 5.0)
     );
-    assert_eq!(
-        scene.view.projection,
-        Projection::Perspective { fov_y_deg: 45.0 }
-    );
+    assert_eq!(scene.view.projection, Projection::Perspective { fov_y_deg: 45.0 });
     assert_eq!(scene.view.focus, Some(DVec3::new(1.0, 2.0, 3.0)));
     let shading = scene.settings.shading.unwrap();
     assert_eq!(shading.lights.len(), 2);
@@ -253,10 +201,7 @@ render mode="mip" samples-per-voxel=2 size="640x480"
         (shading.lights[0].towards, shading.lights[0].intensity),
         (-DVec3::Z, 0.5)
     );
-    assert_eq!(
-        (shading.material.ambient, shading.material.shininess_log2),
-        (0.3, 5)
-    );
+    assert_eq!((shading.material.ambient, shading.material.shininess_log2), (0.3, 5));
     assert_eq!(shading.soft_gradient, 0.02);
     assert_eq!(
         (scene.settings.mode, scene.settings.samples_per_voxel),
@@ -276,14 +221,10 @@ render mode="mip" samples-per-voxel=2 size="640x480"
 
 #[test]
 fn a_preset_may_have_a_window() {
-    let scene =
-        parse("scene { sphere radius=1 }\ntransfer preset=\"ct-bone\" window=400 level=40\n")
-            .unwrap();
+    let scene = parse("scene { sphere radius=1 }\ntransfer preset=\"ct-bone\" window=400 level=40\n").unwrap();
     let transfer = scene.transfer.unwrap();
     assert_eq!(transfer.window, Some(Interval::new(-160.0, 240.0)));
-    assert!(
-        matches!(transfer.choice, TransferChoice::Preset(preset) if preset.name() == "ct-bone")
-    );
+    assert!(matches!(transfer.choice, TransferChoice::Preset(preset) if preset.name() == "ct-bone"));
     assert!(
         parse("scene { sphere radius=1 }\nrender shading=#false\n")
             .unwrap()

@@ -18,26 +18,14 @@ const IN_SCENE: &[Mistake] = &[
     ("sphere radius=1 radius=2", 21, "`radius` is given twice"),
     ("sphere", 5, "`sphere` needs the property `radius`"),
     ("sphere radius=-1", 12, "`radius` is -1; it must be above 0"),
-    (
-        "sphere radius=#nan",
-        12,
-        "`radius` is #nan; it must be a finite number",
-    ),
-    (
-        "sphere radius=#inf",
-        12,
-        "`radius` is #inf; it must be a finite number",
-    ),
+    ("sphere radius=#nan", 12, "`radius` is #nan; it must be a finite number"),
+    ("sphere radius=#inf", 12, "`radius` is #inf; it must be a finite number"),
     (
         "sphere radius=1e999",
         12,
         "`radius` is #inf; it must be a finite number",
     ),
-    (
-        "sphere radius=1 value=1e39",
-        21,
-        "it must be at most 3.4e38 in size",
-    ),
+    ("sphere radius=1 value=1e39", 21, "it must be at most 3.4e38 in size"),
     ("sphere radius=\"1\"", 12, "it must be a finite number"),
     (
         "sphere radius=1 center=\"0 nan 0\"",
@@ -71,11 +59,7 @@ const IN_SCENE: &[Mistake] = &[
         11,
         "it must be one of first, second",
     ),
-    (
-        "union rule=\"blend 2\" { sphere radius=1 }",
-        11,
-        "with a share in 0..1",
-    ),
+    ("union rule=\"blend 2\" { sphere radius=1 }", 11, "with a share in 0..1"),
     (
         "translate { sphere radius=1 }",
         5,
@@ -86,21 +70,13 @@ const IN_SCENE: &[Mistake] = &[
         17,
         "`translate` takes 1 argument(s), and 3 are given",
     ),
-    (
-        "scale 0 { sphere radius=1 }",
-        5,
-        "`scale` squeezes space flat",
-    ),
+    ("scale 0 { sphere radius=1 }", 5, "`scale` squeezes space flat"),
     (
         "matrix \"1 0 0 0 1 0 0 0 0 0 1 0\" { sphere radius=1 }",
         5,
         "`matrix` squeezes space flat",
     ),
-    (
-        "shear xy=1 yx=1 { sphere radius=1 }",
-        5,
-        "`shear` squeezes space flat",
-    ),
+    ("shear xy=1 yx=1 { sphere radius=1 }", 5, "`shear` squeezes space flat"),
     (
         "map cubic { sphere radius=1 }",
         9,
@@ -121,16 +97,8 @@ const IN_SCENE: &[Mistake] = &[
         5,
         "at least one point `at INPUT OUTPUT`",
     ),
-    (
-        "use \"a\"",
-        9,
-        "nothing named `a` is defined above this line",
-    ),
-    (
-        "define a { use a }",
-        20,
-        "nothing named `a` is defined above this line",
-    ),
+    ("use \"a\"", 9, "nothing named `a` is defined above this line"),
+    ("define a { use a }", 20, "nothing named `a` is defined above this line"),
     ("include \"missing.kdl\"", 13, "cannot read"),
     ("volume \"head.nii.gz\"", 12, "cannot load the volume"),
     (
@@ -151,11 +119,7 @@ const IN_SCENE: &[Mistake] = &[
     ("volume \"a.raw\" type=\"u8\"", 20, "go with `dims`"),
     ("volume \"a.nrrd\" inside=\"80\"", 21, "a window like"),
     ("volume \"a.nrrd\" inside=\"9..1\"", 21, "a window like"),
-    (
-        "point 0 opacity=0 color=\"#000000\"",
-        5,
-        "unknown node `point`",
-    ),
+    ("point 0 opacity=0 color=\"#000000\"", 5, "unknown node `point`"),
     ("sphere radius=", 19, "Expected property value"),
     ("sphere radius=1 =", 21, "`=` does not belong here"),
     ("sphere radius=1,value=2", 20, "Expected property value"),
@@ -169,21 +133,13 @@ const AT_TOP: &[Mistake] = &[
     ("veiw azimuth=1", 1, "unknown node `veiw`"),
     ("view fov=20", 6, "`fov` goes with"),
     ("view zoom=0", 6, "in 0.001..10000"),
-    (
-        "transfer preset=\"ct-bnoe\"",
-        10,
-        "unknown preset `ct-bnoe`",
-    ),
+    ("transfer preset=\"ct-bnoe\"", 10, "unknown preset `ct-bnoe`"),
     (
         "transfer { point 1 opacity=2 color=\"#000000\" }",
         20,
         "`opacity` is 2; it must be in 0..1",
     ),
-    (
-        "transfer { point 1 opacity=1 color=\"red\" }",
-        30,
-        "a colour like",
-    ),
+    ("transfer { point 1 opacity=1 color=\"red\" }", 30, "a colour like"),
     (
         "transfer preset=\"ct-bone\" window=3",
         1,
@@ -194,11 +150,7 @@ const AT_TOP: &[Mistake] = &[
         1,
         "transfer function: point 1",
     ),
-    (
-        "render mode=\"fancy\"",
-        8,
-        "it must be one of composite, mip",
-    ),
+    ("render mode=\"fancy\"", 8, "it must be one of composite, mip"),
     ("render size=\"0x7\"", 8, "a size like"),
     ("background \"blue\"", 12, "\"transparent\" or a colour"),
     ("material shininess=3", 10, "a power of two"),
@@ -208,31 +160,20 @@ const AT_TOP: &[Mistake] = &[
 fn expect(text: &str, place: (usize, usize), message: &str) {
     let error = parse(text).expect_err(text);
     assert_eq!(error.place(), Some(place), "{error}\n{text}");
-    assert!(
-        error.problem().to_string().contains(message),
-        "{error}\n{text}"
-    );
+    assert!(error.problem().to_string().contains(message), "{error}\n{text}");
 }
 
 #[test]
 fn a_mistake_in_the_tree_is_answered_with_its_place() {
     for (line, column, message) in IN_SCENE {
-        expect(
-            &format!("scene {{\n    {line}\n}}\n"),
-            (2, *column),
-            message,
-        );
+        expect(&format!("scene {{\n    {line}\n}}\n"), (2, *column), message);
     }
 }
 
 #[test]
 fn a_mistake_at_the_top_is_answered_with_its_place() {
     for (line, column, message) in AT_TOP {
-        expect(
-            &format!("scene {{ sphere radius=1 }}\n{line}\n"),
-            (2, *column),
-            message,
-        );
+        expect(&format!("scene {{ sphere radius=1 }}\n{line}\n"), (2, *column), message);
     }
 }
 

@@ -59,24 +59,19 @@ const HEADS: &[&str] = &[
 fn shape() -> impl Strategy<Value = Written> {
     sphere().prop_recursive(4, 24, 3, |inner| {
         let children = prop::collection::vec((inner, layout()), 2..4);
-        (
-            prop::sample::select(HEADS),
-            children,
-            any::<prop::sample::Index>(),
-        )
-            .prop_map(|(head, children, chosen)| {
-                let chosen = chosen.index(children.len());
-                let body: String = children
-                    .iter()
-                    .map(|(child, gap)| format!("{}{gap}", child.text))
-                    .collect();
-                let mut path_to_sphere = vec![chosen];
-                path_to_sphere.extend(&children[chosen].0.path_to_sphere);
-                Written {
-                    text: format!("{head} {{\n{body}\n}}"),
-                    path_to_sphere,
-                }
-            })
+        (prop::sample::select(HEADS), children, any::<prop::sample::Index>()).prop_map(|(head, children, chosen)| {
+            let chosen = chosen.index(children.len());
+            let body: String = children
+                .iter()
+                .map(|(child, gap)| format!("{}{gap}", child.text))
+                .collect();
+            let mut path_to_sphere = vec![chosen];
+            path_to_sphere.extend(&children[chosen].0.path_to_sphere);
+            Written {
+                text: format!("{head} {{\n{body}\n}}"),
+                path_to_sphere,
+            }
+        })
     })
 }
 
@@ -86,8 +81,7 @@ fn number(range: std::ops::Range<i32>) -> impl Strategy<Value = f64> {
 }
 
 fn view() -> impl Strategy<Value = View> {
-    let focus =
-        prop::option::of((number(-99..99), number(-99..99), number(-99..99)).prop_map(DVec3::from));
+    let focus = prop::option::of((number(-99..99), number(-99..99), number(-99..99)).prop_map(DVec3::from));
     let fov = prop::option::of(number(8..1300));
     (
         number(-2880..2880),
@@ -97,18 +91,16 @@ fn view() -> impl Strategy<Value = View> {
         focus,
         fov,
     )
-        .prop_map(
-            |(azimuth_deg, elevation_deg, roll_deg, zoom, focus, fov)| View {
-                azimuth_deg,
-                elevation_deg,
-                roll_deg,
-                zoom,
-                focus,
-                projection: fov.map_or(Projection::Orthographic, |fov_y_deg| {
-                    Projection::Perspective { fov_y_deg }
-                }),
-            },
-        )
+        .prop_map(|(azimuth_deg, elevation_deg, roll_deg, zoom, focus, fov)| View {
+            azimuth_deg,
+            elevation_deg,
+            roll_deg,
+            zoom,
+            focus,
+            projection: fov.map_or(Projection::Orthographic, |fov_y_deg| Projection::Perspective {
+                fov_y_deg,
+            }),
+        })
 }
 
 fn radii(scene: &Scene) -> Vec<f64> {
@@ -174,10 +166,7 @@ proptest! {
 fn a_property_is_added_and_taken_away() {
     let source = Source::new("s.kdl", "scene {\n  sphere radius=1 { }  // ball\n}\n");
     let added = with_property(&source, &[0, 0], "value", Some(5.5.into())).unwrap();
-    assert_eq!(
-        added.text(),
-        "scene {\n  sphere radius=1 value=5.5 { }  // ball\n}\n"
-    );
+    assert_eq!(added.text(), "scene {\n  sphere radius=1 value=5.5 { }  // ball\n}\n");
     let gone = with_property(&added, &[0, 0], "value", None).unwrap();
     assert_eq!(gone.text(), source.text());
     assert!(with_property(&source, &[0, 7], "value", None).is_err());
@@ -192,8 +181,5 @@ fn a_view_is_added_to_a_scene_without_one() {
             ..View::default()
         })
         .unwrap();
-    assert_eq!(
-        scene.to_text(),
-        "scene { sphere radius=1 }\nview azimuth=12.0\n"
-    );
+    assert_eq!(scene.to_text(), "scene { sphere radius=1 }\nview azimuth=12.0\n");
 }

@@ -3,9 +3,7 @@
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use vcsg::math::Aabb;
-use vcsg::volume::analytic::{
-    Analytic, Ball, ClosedForm, Constant, MarschnerLobb, Ramp, Trilinear,
-};
+use vcsg::volume::analytic::{Analytic, Ball, ClosedForm, Constant, MarschnerLobb, Ramp, Trilinear};
 use vcsg::volume::{Bricks, Field, Grid};
 
 const BOUNDS: Aabb = Aabb::new(DVec3::splat(-1.5), DVec3::splat(1.5));

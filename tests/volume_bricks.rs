@@ -13,8 +13,7 @@ fn trilinear(grid: &Grid, p: DVec3) -> f64 {
     let mut sum = 0.0;
     for corner in 0..8 {
         let step = [corner & 1, corner >> 1 & 1, corner >> 2 & 1];
-        let index: [usize; 3] =
-            std::array::from_fn(|a| (p[a].floor() as usize + step[a]).min(dims[a] - 1));
+        let index: [usize; 3] = std::array::from_fn(|a| (p[a].floor() as usize + step[a]).min(dims[a] - 1));
         let weight = |a: usize| {
             let t = p[a] - p[a].floor();
             if step[a] == 1 { t } else { 1.0 - t }
@@ -45,11 +44,7 @@ fn voxels(kind: usize, count: usize, seed: u64) -> Voxels {
     };
     let quiet = seed.is_multiple_of(3);
     let mut bits = move || {
-        if quiet && next() % 500 != 0 {
-            7
-        } else {
-            next()
-        }
+        if quiet && next() % 500 != 0 { 7 } else { next() }
     };
     match kind {
         0 => Voxels::U8((0..count).map(|_| bits() as u8).collect()),
@@ -80,11 +75,8 @@ prop_compose! {
 fn placement(seed: u64) -> DAffine3 {
     let angle = seed as f64 / u64::MAX as f64;
     let turn = DQuat::from_euler(EulerRot::XYZ, angle, 2.0 * angle, 3.0 - angle);
-    let mut m = DAffine3::from_scale_rotation_translation(
-        DVec3::new(0.7, -1.1, 2.0),
-        turn,
-        DVec3::new(-40.0, 3.0, 1.0),
-    );
+    let mut m =
+        DAffine3::from_scale_rotation_translation(DVec3::new(0.7, -1.1, 2.0), turn, DVec3::new(-40.0, 3.0, 1.0));
     m.matrix3.x_axis += 0.2 * m.matrix3.y_axis;
     m
 }
@@ -194,10 +186,7 @@ fn constant_bricks_hold_one_value() {
     let empty = Bricks::new(&grid([128; 3], Voxels::U16(vec![9; 128 * 128 * 128])));
     assert!(empty.bytes() < 64 * 32 + 4096 * 10, "{}", empty.bytes());
     assert_eq!(empty.sample_index(DVec3::new(3.3, 127.4, 64.2)), 9.0);
-    assert_eq!(
-        empty.range_index(&empty.index_bounds()),
-        Interval::point(9.0)
-    );
+    assert_eq!(empty.range_index(&empty.index_bounds()), Interval::point(9.0));
 }
 
 #[test]

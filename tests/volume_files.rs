@@ -51,11 +51,7 @@ fn what_is_written_comes_back() {
             assert_eq!(io::read(&path).unwrap().grid, grid);
         }
     }
-    assert_eq!(
-        fs::read_dir(folder.path()).unwrap().count(),
-        1,
-        "nothing else is left"
-    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
 }
 
 #[test]
@@ -88,11 +84,7 @@ fn raw_files_are_what_the_caller_says() {
 #[test]
 fn other_files_are_refused_by_name() {
     let folder = folder();
-    for (name, word) in [
-        ("a.mha", "MetaImage"),
-        ("a.dcm", "DICOM"),
-        ("a.txt", "no volume file"),
-    ] {
+    for (name, word) in [("a.mha", "MetaImage"), ("a.dcm", "DICOM"), ("a.txt", "no volume file")] {
         let error = io::read(&file(&folder, name, b"something")).unwrap_err();
         assert!(error.to_string().contains(word), "{error}");
     }
@@ -121,9 +113,6 @@ fn the_description_is_itks() {
     .info();
     assert_eq!(info.spacing, [2.0, 3.0, 4.0]);
     assert_eq!(info.origin, [-1.0, -2.0, 3.0]);
-    assert_eq!(
-        info.direction,
-        [0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
-    );
+    assert_eq!(info.direction, [0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     assert_eq!((info.min, info.max, info.mean), (0.0, 23.0, 11.5));
 }

@@ -44,16 +44,8 @@ fn every_type_is_read_in_both_byte_orders() {
         (2, vec![200], Voxels::U8(vec![200])),
         (256, vec![200], Voxels::I8(vec![-56])),
         (4, (-300i16).to_le_bytes().into(), Voxels::I16(vec![-300])),
-        (
-            512,
-            40_000u16.to_le_bytes().into(),
-            Voxels::U16(vec![40_000]),
-        ),
-        (
-            8,
-            (-70_000i32).to_le_bytes().into(),
-            Voxels::I32(vec![-70_000]),
-        ),
+        (512, 40_000u16.to_le_bytes().into(), Voxels::U16(vec![40_000])),
+        (8, (-70_000i32).to_le_bytes().into(), Voxels::I32(vec![-70_000])),
         (
             768,
             3_000_000_000u32.to_le_bytes().into(),
@@ -75,22 +67,13 @@ fn every_type_is_read_in_both_byte_orders() {
 
 /// All 48 ways to lay index axes along the axes of the body: as matrices whose columns are ± unit vectors, RAS.
 fn axis_orders() -> Vec<DMat3> {
-    let orders = [
-        [0, 1, 2],
-        [0, 2, 1],
-        [1, 0, 2],
-        [1, 2, 0],
-        [2, 0, 1],
-        [2, 1, 0],
-    ];
+    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
     let signs = |bits: usize| move |a: usize| if bits >> a & 1 == 0 { 1.0 } else { -1.0 };
     let matrix = |order: [usize; 3], sign: &dyn Fn(usize) -> f64| {
         let column = |a: usize| DVec3::AXES[order[a]] * sign(a);
         DMat3::from_cols(column(0), column(1), column(2))
     };
-    (0..48)
-        .map(|n| matrix(orders[n / 8], &signs(n % 8)))
-        .collect()
+    (0..48).map(|n| matrix(orders[n / 8], &signs(n % 8))).collect()
 }
 
 #[test]
@@ -126,10 +109,7 @@ fn the_sform_goes_before_the_qform_and_keeps_its_shear() {
     header.qform(DQuat::from_rotation_z(1.0), 1.0, DVec3::ZERO);
     header.sform(sheared, DVec3::ZERO);
     let grid = read(&header.with(&DATA)).unwrap().grid;
-    assert_eq!(
-        grid.world_from_index().matrix3.y_axis,
-        DVec3::new(-0.5, -1.0, 0.0)
-    );
+    assert_eq!(grid.world_from_index().matrix3.y_axis, DVec3::new(-0.5, -1.0, 0.0));
     header.sform(DMat3::ZERO, DVec3::ZERO);
     let grid = read(&header.with(&DATA)).unwrap().grid;
     assert!((grid.world_from_index().matrix3.x_axis.x + 1f64.cos()).abs() < 1e-6);
@@ -167,12 +147,7 @@ fn slope_and_intercept_are_applied() {
     let floats = |f: &dyn Fn(f32) -> f32| Voxels::F32(DATA.map(|v| f(f32::from(v))).to_vec());
     assert_eq!(scaled(2.0, -3.0), floats(&|v| 2.0 * v - 3.0));
     assert_eq!(scaled(1.0, 5.0), floats(&|v| v + 5.0));
-    for identity in [
-        (1.0, 0.0),
-        (0.0, 7.0),
-        (f32::NAN, 0.0),
-        (f32::INFINITY, 1.0),
-    ] {
+    for identity in [(1.0, 0.0), (0.0, 7.0), (f32::NAN, 0.0), (f32::INFINITY, 1.0)] {
         assert_eq!(scaled(identity.0, identity.1), Voxels::U8(DATA.to_vec()));
     }
 }
@@ -185,13 +160,7 @@ fn the_first_of_several_frames_is_read() {
     assert_eq!(*volume.grid.voxels(), Voxels::U8(DATA[..4].to_vec()));
     let error = read(&header.with(&DATA[..7])).unwrap_err();
     assert!(
-        matches!(
-            error.problem,
-            Problem::Truncated {
-                expected: 8,
-                found: 7
-            }
-        ),
+        matches!(error.problem, Problem::Truncated { expected: 8, found: 7 }),
         "{error}"
     );
 }
@@ -221,10 +190,7 @@ fn an_extension_is_skipped() {
     let mut header = small();
     header.f32(108, 368.0);
     let bytes = [header.with(&[1; 16]), DATA.to_vec()].concat();
-    assert_eq!(
-        *read(&bytes).unwrap().grid.voxels(),
-        Voxels::U8(DATA.to_vec())
-    );
+    assert_eq!(*read(&bytes).unwrap().grid.voxels(), Voxels::U8(DATA.to_vec()));
 }
 
 #[test]

@@ -77,11 +77,7 @@ fn spaces_are_turned_to_lps() {
     ] {
         let volume = read(&format!("{HEADER}\nspace: {space}\n{directions}"), &DATA).unwrap();
         let place = volume.grid.world_from_index();
-        assert_eq!(
-            place.translation,
-            sign * DVec3::new(5.0, 6.0, 7.0),
-            "{space}"
-        );
+        assert_eq!(place.translation, sign * DVec3::new(5.0, 6.0, 7.0), "{space}");
         let expected = DMat3::from_diagonal(sign * DVec3::new(2.0, 3.0, 4.0));
         assert_eq!(place.matrix3, expected, "{space}");
     }
@@ -144,16 +140,11 @@ fn vectors_and_colours_are_refused() {
 #[test]
 fn byte_orders_are_kept_apart() {
     for (endian, value) in [("little", 0x0201), ("big", 0x0102)] {
-        let header =
-            format!("type: short\ndimension: 1\nsizes: 1\nencoding: raw\nendian: {endian}");
+        let header = format!("type: short\ndimension: 1\nsizes: 1\nencoding: raw\nendian: {endian}");
         let volume = read(&header, &[1, 2]).unwrap();
         assert_eq!(*volume.grid.voxels(), Voxels::I16(vec![value]));
     }
-    let error = read(
-        "type: short\ndimension: 1\nsizes: 1\nencoding: raw",
-        &[1, 2],
-    )
-    .unwrap_err();
+    let error = read("type: short\ndimension: 1\nsizes: 1\nencoding: raw", &[1, 2]).unwrap_err();
     assert!(error.to_string().contains("endian"), "{error}");
 }
 
@@ -168,16 +159,11 @@ fn long_integers_become_doubles() {
 fn text_is_read() {
     let header = "type: float\ndimension: 2\nsizes: 3 2\nencoding: ascii";
     let volume = read(header, b"1 -2.5 3e2\n4,5,nan\n").unwrap();
-    let Voxels::F32(v) = volume.grid.voxels() else {
-        panic!()
-    };
+    let Voxels::F32(v) = volume.grid.voxels() else { panic!() };
     assert_eq!(v[..5], [1.0, -2.5, 300.0, 4.0, 5.0]);
     assert!(v[5].is_nan());
     let error = read(header, b"1 2 x 4 5 6 7").unwrap_err();
-    assert!(
-        matches!(&error.problem, Problem::Text(word) if word == "x"),
-        "{error}"
-    );
+    assert!(matches!(&error.problem, Problem::Text(word) if word == "x"), "{error}");
     assert!(read(header, b"1 2 300000000000").is_err());
 }
 
@@ -204,10 +190,7 @@ fn gzip_is_read_with_skips() {
     let volume = read(&format!("{header}\nbyte skip: -1"), &gzip(&padded)).unwrap();
     assert_eq!(u8s(&volume), DATA);
     let lines = [b"a\nb\n".to_vec(), gzip(&DATA)].concat();
-    assert_eq!(
-        u8s(&read(&format!("{header}\nline skip: 2"), &lines).unwrap()),
-        DATA
-    );
+    assert_eq!(u8s(&read(&format!("{header}\nline skip: 2"), &lines).unwrap()), DATA);
     let members = [gzip(&DATA[..7]), gzip(&DATA[7..]), b"garbage".to_vec()].concat();
     assert_eq!(u8s(&read(&header, &members).unwrap()), DATA);
 }
@@ -219,10 +202,7 @@ fn damaged_gzip_is_refused() {
     assert!(matches!(error.problem, Problem::Compressed(_)), "{error}");
     let whole = gzip(&DATA);
     let error = read(&header, &whole[..whole.len() / 2]).unwrap_err();
-    assert!(
-        matches!(error.problem, Problem::Truncated { .. }),
-        "{error}"
-    );
+    assert!(matches!(error.problem, Problem::Truncated { .. }), "{error}");
     let mut flipped = whole.clone();
     let checksum = whole.len() - 8;
     flipped[checksum] ^= 1;
@@ -232,23 +212,13 @@ fn damaged_gzip_is_refused() {
 
 #[test]
 fn a_small_file_cannot_claim_a_large_volume() {
-    let large =
-        "type: double\ndimension: 3\nsizes: 1000000 1000000 1000000\nendian: little\nencoding: ";
+    let large = "type: double\ndimension: 3\nsizes: 1000000 1000000 1000000\nendian: little\nencoding: ";
     let error = read(&format!("{large}raw"), &DATA).unwrap_err();
-    assert!(
-        matches!(error.problem, Problem::Truncated { found: 24, .. }),
-        "{error}"
-    );
+    assert!(matches!(error.problem, Problem::Truncated { found: 24, .. }), "{error}");
     let error = read(&format!("{large}gzip"), &gzip(&DATA)).unwrap_err();
-    assert!(
-        matches!(error.problem, Problem::Implausible { .. }),
-        "{error}"
-    );
+    assert!(matches!(error.problem, Problem::Implausible { .. }), "{error}");
     let error = read(&format!("{large}text"), b"1 2 3").unwrap_err();
-    assert!(
-        matches!(error.problem, Problem::Truncated { .. }),
-        "{error}"
-    );
+    assert!(matches!(error.problem, Problem::Truncated { .. }), "{error}");
     let overflow = large.replace("1000000", "60000000");
     let error = read(&format!("{overflow}raw"), &DATA).unwrap_err();
     assert!(matches!(error.problem, Problem::Grid(_)), "{error}");
@@ -270,10 +240,7 @@ fn bad_headers_name_the_line() {
         (HEADER.replace("2 3 4", "2 3"), 4),
         (format!("{HEADER}\nno field here"), 6),
         (format!("{HEADER}\nspace: outer"), 6),
-        (
-            format!("{HEADER}\nspace directions: (1,0 (0,1,0) (0,0,1)"),
-            6,
-        ),
+        (format!("{HEADER}\nspace directions: (1,0 (0,1,0) (0,0,1)"), 6),
         (format!("{HEADER}\nencoding: raw"), 6),
         (HEADER.replace("raw", "hex"), 5),
     ] {
@@ -311,10 +278,7 @@ fn impossible_volumes_are_refused() {
 fn detached_headers_find_their_data() {
     let folder = folder();
     file(&folder, "a.raw.gz", &gzip(&DATA));
-    let header = format!(
-        "NRRD0004\n{}\ndata file: a.raw.gz\n",
-        HEADER.replace("raw", "gzip")
-    );
+    let header = format!("NRRD0004\n{}\ndata file: a.raw.gz\n", HEADER.replace("raw", "gzip"));
     let volume = io::read(&file(&folder, "a.nhdr", header.as_bytes())).unwrap();
     assert_eq!(u8s(&volume), DATA);
 }
@@ -322,11 +286,7 @@ fn detached_headers_find_their_data() {
 #[test]
 fn every_prefix_of_a_file_is_an_error() {
     let folder = folder();
-    let whole = [
-        format!("NRRD0005\n{HEADER}\n\n").into_bytes(),
-        DATA.to_vec(),
-    ]
-    .concat();
+    let whole = [format!("NRRD0005\n{HEADER}\n\n").into_bytes(), DATA.to_vec()].concat();
     for end in 0..whole.len() {
         let path = file(&folder, "a.nrrd", &whole[..end]);
         assert!(io::read(&path).is_err(), "{end}");

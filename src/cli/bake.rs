@@ -48,11 +48,7 @@ impl Bake {
         let scene = stages.time("load", || self.source.load())?;
         let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
         let grid = stages.time("reconstruct", || baked(&target, self.outside))?;
-        let encoding = if self.raw {
-            Encoding::Raw
-        } else {
-            Encoding::Gzip
-        };
+        let encoding = if self.raw { Encoding::Raw } else { Encoding::Gzip };
         stages.time("write", || write_nrrd(&self.output, &grid, encoding))?;
         if self.timings {
             stages.show();
@@ -69,11 +65,7 @@ impl Bake {
     }
 
     fn check_suffix(&self) -> Result<(), CliError> {
-        match self
-            .output
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("nrrd"))
-        {
+        match self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("nrrd")) {
             true => Ok(()),
             false => Err(CliError::Usage(format!(
                 "{}: volumes are written as .nrrd",
@@ -91,12 +83,10 @@ fn baked(target: &Target, outside: f32) -> Result<Grid, CliError> {
     let lattice = &target.lattice;
     let mut voxels = Vec::new();
     let what = "the volume";
-    voxels
-        .try_reserve_exact(lattice.len())
-        .map_err(|_| CliError::Memory {
-            what,
-            mib: lattice.len() >> 18,
-        })?;
+    voxels.try_reserve_exact(lattice.len()).map_err(|_| CliError::Memory {
+        what,
+        mib: lattice.len() >> 18,
+    })?;
     voxels.resize(lattice.len(), outside);
     let bar = progress("reconstruct", target.blocks.len() as u64);
     for batch in target.blocks.chunks(BATCH) {
@@ -110,21 +100,14 @@ fn baked(target: &Target, outside: f32) -> Result<Grid, CliError> {
         bar.inc(batch.len() as u64);
     }
     bar.finish_and_clear();
-    let grid = Grid::new(
-        lattice.dims,
-        lattice.world_from_lattice,
-        Voxels::F32(voxels),
-    );
+    let grid = Grid::new(lattice.dims, lattice.world_from_lattice, Voxels::F32(voxels));
     grid.map_err(|error| CliError::Usage(error.to_string()))
 }
 
 /// Writes the covered voxels of a block to their place in the volume.
 fn copy(voxels: &mut [f32], [nx, ny, _]: [usize; 3], block: &Block, values: &BlockVoxels) {
     let [width, height, depth] = block.extent;
-    for (n, (j, k)) in (0..depth)
-        .flat_map(|k| (0..height).map(move |j| (j, k)))
-        .enumerate()
-    {
+    for (n, (j, k)) in (0..depth).flat_map(|k| (0..height).map(move |j| (j, k))).enumerate() {
         let first = block.origin[0] + nx * (block.origin[1] + j + ny * (block.origin[2] + k));
         let row = n * width..(n + 1) * width;
         let out = &mut voxels[first..first + width];

@@ -101,14 +101,7 @@ fn summary(scene: &Scene, target: &Target) -> serde_json::Value {
 }
 
 fn scene_text(summary: &serde_json::Value) -> String {
-    let line = |(name, value): (&String, &serde_json::Value)| {
-        format!("{:<13} {value}", name.replace('_', " "))
-    };
-    let lines: Vec<_> = summary
-        .as_object()
-        .into_iter()
-        .flatten()
-        .map(line)
-        .collect();
+    let line = |(name, value): (&String, &serde_json::Value)| format!("{:<13} {value}", name.replace('_', " "));
+    let lines: Vec<_> = summary.as_object().into_iter().flatten().map(line).collect();
     lines.join("\n")
 }

@@ -49,11 +49,7 @@ impl Renderer {
     }
 }
 
-fn draw_slices(
-    renderer: &mut SliceRenderer,
-    spec: &FrameSpec,
-    stages: &mut Stages,
-) -> Result<Frame, CliError> {
+fn draw_slices(renderer: &mut SliceRenderer, spec: &FrameSpec, stages: &mut Stages) -> Result<Frame, CliError> {
     let device = Arc::clone(renderer.device());
     let normals = soft_normals(spec);
     let voxels = spec
@@ -64,9 +60,7 @@ fn draw_slices(
         .sum();
     let bar = progress("reconstruct", voxels);
     let paged = stages.time("reconstruct", || {
-        PagedTarget::new(&device, spec.target, normals.as_ref(), &mut |n| {
-            bar.inc(n as u64)
-        })
+        PagedTarget::new(&device, spec.target, normals.as_ref(), &mut |n| bar.inc(n as u64))
     })?;
     bar.finish_and_clear();
     let (frame, times) = renderer.draw(spec, &paged)?;

@@ -73,10 +73,7 @@ impl Overrides {
         set(&mut scene.view.elevation_deg, self.elevation);
         set(&mut scene.view.roll_deg, self.roll);
         set(&mut scene.view.zoom, self.zoom);
-        set(
-            &mut scene.settings.samples_per_voxel,
-            self.samples_per_voxel,
-        );
+        set(&mut scene.settings.samples_per_voxel, self.samples_per_voxel);
         if let Some(fov_y_deg) = self.perspective {
             scene.view.projection = Projection::Perspective { fov_y_deg };
         }
@@ -175,7 +172,6 @@ fn background(text: &str) -> Result<[f32; 4], String> {
     if text == "transparent" {
         return Ok([0.0; 4]);
     }
-    let [r, g, b] =
-        rgb_from_hex(text).ok_or("neither \"transparent\" nor a colour like #101820")?;
+    let [r, g, b] = rgb_from_hex(text).ok_or("neither \"transparent\" nor a colour like #101820")?;
     Ok([r, g, b, 1.0])
 }

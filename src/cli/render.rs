@@ -69,9 +69,7 @@ impl Render {
         let mut renderer = stages.time("device", || self.renderer())?;
         let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
         let frame = draw(&scene, &target, &mut renderer, &mut stages)?;
-        stages.time("write", || {
-            save(&frame, &self.output, &[("Software", "vcsg")])
-        })?;
+        stages.time("write", || save(&frame, &self.output, &[("Software", "vcsg")]))?;
         if self.timings {
             stages.show();
         }
@@ -94,13 +92,7 @@ impl Render {
         }
     }
 
-    fn description(
-        &self,
-        frame: &Frame,
-        target: &Target,
-        renderer: &Renderer,
-        stages: &Stages,
-    ) -> serde_json::Value {
+    fn description(&self, frame: &Frame, target: &Target, renderer: &Renderer, stages: &Stages) -> serde_json::Value {
         json!({
             "frame": self.output,
             "size": [frame.width(), frame.height()],
@@ -114,17 +106,11 @@ impl Render {
     }
 }
 
-fn draw(
-    scene: &Scene,
-    target: &Target,
-    renderer: &mut Renderer,
-    stages: &mut Stages,
-) -> Result<Frame, CliError> {
+fn draw(scene: &Scene, target: &Target, renderer: &mut Renderer, stages: &mut Stages) -> Result<Frame, CliError> {
     let transfer = stages.time("transfer", || transfer_function(scene, target));
-    let camera = scene.view.camera(
-        &model_bounds(scene),
-        scene.frame_size.unwrap_or(DEFAULT_SIZE),
-    );
+    let camera = scene
+        .view
+        .camera(&model_bounds(scene), scene.frame_size.unwrap_or(DEFAULT_SIZE));
     let spec = FrameSpec {
         target,
         transfer: &transfer,
@@ -133,9 +119,5 @@ fn draw(
     };
     let frame = renderer.draw(&spec, stages)?;
     let [r, g, b, alpha] = scene.settings.background;
-    Ok(if alpha > 0.0 {
-        frame.over([r, g, b])
-    } else {
-        frame
-    })
+    Ok(if alpha > 0.0 { frame.over([r, g, b]) } else { frame })
 }

@@ -35,12 +35,7 @@ fn once(blending: Blending, source: &Spans, behind: &Spans) -> Spans {
 }
 
 /// The interval extension of [`composite::resolve`](crate::projection::composite::resolve) for one pixel.
-pub(super) fn resolve(
-    mode: Mode,
-    accumulated: &Spans,
-    range: Interval,
-    transfer: &TransferFunction,
-) -> Spans {
+pub(super) fn resolve(mode: Mode, accumulated: &Spans, range: Interval, transfer: &TransferFunction) -> Spans {
     if mode.classifies() {
         return *accumulated;
     }

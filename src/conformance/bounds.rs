@@ -83,9 +83,7 @@ impl FrameBounds {
     pub fn widths(&self) -> Vec<f64> {
         let low = self.low.pixels().as_flattened().iter();
         let high = self.high.pixels().as_flattened().iter();
-        low.zip(high)
-            .map(|(lo, hi)| f64::from(*hi) - f64::from(*lo))
-            .collect()
+        low.zip(high).map(|(lo, hi)| f64::from(*hi) - f64::from(*lo)).collect()
     }
 
     /// How far each channel of `frame` is from the middle of its bounds, in half widths: above 1 is outside.
@@ -158,12 +156,7 @@ impl<'a> Walker<'a> {
             }
         }
         let settings = spec.settings;
-        resolve(
-            settings.mode,
-            &pixel,
-            spec.target.value_range,
-            spec.transfer,
-        )
+        resolve(settings.mode, &pixel, spec.target.value_range, spec.transfer)
     }
 
     /// Millimetres of ray a millimetre of depth: the root of 1 and the squares of an interpolated slope. It changes with the
@@ -174,12 +167,8 @@ impl<'a> Walker<'a> {
         };
         let eye = self.spec.camera.point_at_depth(x, y, 1.0);
         let size = DVec2::from(self.spec.camera.size.map(f64::from));
-        let steepest = size
-            .max_element()
-            .max(2.0 * focal_px * eye.truncate().length())
-            / focal_px;
-        let slope =
-            self.places.vertex_px(depth) / focal_px + self.precision.interpolated * steepest;
+        let steepest = size.max_element().max(2.0 * focal_px * eye.truncate().length()) / focal_px;
+        let slope = self.places.vertex_px(depth) / focal_px + self.precision.interpolated * steepest;
         let path = self.spec.camera.path_per_depth(x, y);
         Span::around(path, 2.0 * slope).relaxed(6.0 * ULP)
     }

@@ -56,14 +56,8 @@ impl VoxelField {
         let places: Vec<[i64; 3]> = places(dims);
         let mut field = Self {
             dims,
-            voxels: places
-                .par_iter()
-                .map(|&at| value_and_coverage(&voxels, at))
-                .collect(),
-            mixed: places
-                .par_iter()
-                .map(|&at| is_mixed(spec.target, at))
-                .collect(),
+            voxels: places.par_iter().map(|&at| value_and_coverage(&voxels, at)).collect(),
+            mixed: places.par_iter().map(|&at| is_mixed(spec.target, at)).collect(),
             channels: NORMAL_LO,
         };
         if let Some(normals) = StoredNormals::of(spec) {
@@ -91,15 +85,12 @@ impl VoxelField {
             let voxel = &self.voxels[self.index(at)];
             voxel[WEIGHTED] + f64::from(EMPTY_BELOW) * voxel[COVERAGE]
         };
-        DVec3::from_array(std::array::from_fn(|a| {
-            0.5 * (neighbour(a, 1) - neighbour(a, -1))
-        }))
+        DVec3::from_array(std::array::from_fn(|a| 0.5 * (neighbour(a, 1) - neighbour(a, -1))))
     }
 
     /// The voxel at a lattice point of whole coordinates; beyond the lattice its outermost voxels go on.
     fn index(&self, at: [i64; 3]) -> usize {
-        let [i, j, k]: [usize; 3] =
-            std::array::from_fn(|a| at[a].clamp(0, self.dims[a] as i64 - 1) as usize);
+        let [i, j, k]: [usize; 3] = std::array::from_fn(|a| at[a].clamp(0, self.dims[a] as i64 - 1) as usize);
         i + self.dims[0] * (j + self.dims[1] * k)
     }
 
@@ -117,8 +108,7 @@ impl VoxelField {
             let cell = self.cell(base);
             hull.crisp &= cell.iter().all(|voxel| voxel[COVERAGE].fract() == 0.0);
             for corner in 0..8 {
-                let at =
-                    std::array::from_fn(|a| if corner >> a & 1 == 0 { from[a] } else { to[a] });
+                let at = std::array::from_fn(|a| if corner >> a & 1 == 0 { from[a] } else { to[a] });
                 hull.add(&trilinear(&cell, at, self.channels));
             }
         });
@@ -126,9 +116,7 @@ impl VoxelField {
     }
 
     fn cell(&self, base: [i64; 3]) -> [Channels; 8] {
-        std::array::from_fn(|n| {
-            self.voxels[self.index(std::array::from_fn(|a| base[a] + (n >> a & 1) as i64))]
-        })
+        std::array::from_fn(|n| self.voxels[self.index(std::array::from_fn(|a| base[a] + (n >> a & 1) as i64))])
     }
 
     /// A voxel's own cell reaches half a step from it.
@@ -206,10 +194,7 @@ fn trilinear(cell: &[Channels; 8], [x, y, z]: [f64; 3], channels: usize) -> Chan
     let mut sample = Channels::default();
     for (c, mixed) in sample.iter_mut().enumerate().take(channels) {
         let along_x: [f64; 4] = std::array::from_fn(|n| mix(cell[2 * n][c], cell[2 * n + 1][c], x));
-        let along_y = [
-            mix(along_x[0], along_x[1], y),
-            mix(along_x[2], along_x[3], y),
-        ];
+        let along_y = [mix(along_x[0], along_x[1], y), mix(along_x[2], along_x[3], y)];
         *mixed = mix(along_y[0], along_y[1], z);
     }
     sample

@@ -51,15 +51,13 @@ impl LightSpans {
             diffuse = diffuse + projected(&m, light.towards).scaled(light.intensity);
             specular = specular + self.shine(&m, light).scaled(light.intensity);
         }
-        let factor = Span::ONE - length.scaled(1.0 - f64::from(material.ambient))
-            + diffuse.scaled(f64::from(material.diffuse));
+        let factor =
+            Span::ONE - length.scaled(1.0 - f64::from(material.ambient)) + diffuse.scaled(f64::from(material.diffuse));
         // Sums of as many terms as there are lights, and of four.
         let terms = 8.0 + self.lights.len() as f64;
         (
             factor.widened(terms * ULP * (1.0 + length.hi + diffuse.hi)),
-            specular
-                .scaled(f64::from(material.specular))
-                .relaxed(terms * ULP),
+            specular.scaled(f64::from(material.specular)).relaxed(terms * ULP),
         )
     }
 

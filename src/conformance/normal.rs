@@ -21,9 +21,7 @@ impl StoredNormals {
         let shading = spec.shading()?;
         let soft = SoftNormals::new(&spec.target.lattice, shading.soft_gradient);
         let m = soft.matrix();
-        let steepest = (0..3)
-            .map(|row| m.row(row).abs().element_sum())
-            .fold(0.0, f64::max);
+        let steepest = (0..3).map(|row| m.row(row).abs().element_sum()).fold(0.0, f64::max);
         // A difference of two fractions times the matrix (its softening only shrinks errors), and six operations up to
         // the rounding to a byte on numbers of up to 1.
         let gradient = steepest * (fraction_rounding(spec.target.value_range) + 4.0 * ULP);

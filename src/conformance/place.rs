@@ -37,15 +37,9 @@ pub(super) struct Place {
 }
 
 impl Places {
-    pub(super) fn new(
-        spec: &FrameSpec,
-        boxes: Vec<Aabb>,
-        page_edge: f64,
-        precision: &Precision,
-    ) -> Self {
+    pub(super) fn new(spec: &FrameSpec, boxes: Vec<Aabb>, page_edge: f64, precision: &Precision) -> Self {
         let lattice = spec.target.lattice.bounds();
-        let eye_from_lattice =
-            crate::projection::eye_from_lattice(&spec.target.lattice, spec.camera);
+        let eye_from_lattice = crate::projection::eye_from_lattice(&spec.target.lattice, spec.camera);
         let [width, height] = spec.camera.size;
         Self {
             lattice_from_eye: eye_from_lattice.inverse(),
@@ -56,8 +50,7 @@ impl Places {
             precision: *precision,
             vertex_mm: vertex_rounding_mm(&eye_from_lattice, &lattice),
             // Origin and edge of a box in its page, their product and their sum, for coordinates up to 1.
-            texel: page_edge * (precision.interpolated + precision.coordinate + 4.0 * ULP)
-                + precision.weight,
+            texel: page_edge * (precision.interpolated + precision.coordinate + 4.0 * ULP) + precision.weight,
             boxes,
         }
     }
@@ -82,9 +75,7 @@ impl Places {
             Lens::Perspective { .. } => 1.0 + self.eye_bounds.max.z.abs() / depth,
         };
         // The lens, the division and the viewport are eight operations on numbers of up to `farthest_px`.
-        self.precision.vertex_px
-            + pixels_per_mm * self.vertex_mm
-            + 8.0 * ULP * farthest_px * divided
+        self.precision.vertex_px + pixels_per_mm * self.vertex_mm + 8.0 * ULP * farthest_px * divided
     }
 
     fn sideways_mm(&self) -> f64 {
@@ -135,11 +126,7 @@ impl Places {
         if inside {
             return [1, 1];
         }
-        let possible = self
-            .boxes
-            .iter()
-            .filter(|b| !b.intersect(reach).is_empty())
-            .count() as u32;
+        let possible = self.boxes.iter().filter(|b| !b.intersect(reach).is_empty()).count() as u32;
         if possible == 0 && self.lattice.intersect(reach) == *reach {
             return [1, 1];
         }

@@ -31,18 +31,11 @@ struct Filtered {
 }
 
 impl<'a> Sources<'a> {
-    pub(super) fn new(
-        spec: &'a FrameSpec<'a>,
-        storage: &Storage,
-        precision: &Precision,
-        depth_mm: [f64; 2],
-    ) -> Self {
+    pub(super) fn new(spec: &'a FrameSpec<'a>, storage: &Storage, precision: &Precision, depth_mm: [f64; 2]) -> Self {
         Self {
             spec,
             table: TableSpans::new(&spec.table()),
-            lights: spec
-                .shading()
-                .map(|shading| LightSpans::new(spec, shading, precision)),
+            lights: spec.shading().map(|shading| LightSpans::new(spec, shading, precision)),
             storage: *storage,
             sum: precision.sum_steps * storage.step + precision.sum,
             near_mm: depth_mm[0],
@@ -70,9 +63,7 @@ impl<'a> Sources<'a> {
         let (factor, highlight) = self
             .lights
             .as_ref()
-            .map_or((Span::ONE, Span::ZERO), |lights| {
-                lights.over(&hull.normal, hull.mixed)
-            });
+            .map_or((Span::ONE, Span::ZERO), |lights| lights.over(&hull.normal, hull.mixed));
         let cue = self.cue(depth);
         // Three products and a sum, and the product with the cue and with the coverage.
         let lit = |c: Span| ((factor * c + highlight * alpha) * cue * coverage).relaxed(6.0 * ULP);
@@ -120,9 +111,7 @@ impl<'a> Sources<'a> {
 
 /// A value mode's fragment: at most a difference and a product.
 fn accumulated(mode: Mode, filtered: &Filtered, path: Span) -> Spans {
-    let Filtered {
-        weighted, coverage, ..
-    } = *filtered;
+    let Filtered { weighted, coverage, .. } = *filtered;
     let (value, weight) = match mode {
         Mode::MinIp => (coverage - weighted, coverage),
         Mode::Average => (weighted * path, coverage * path),
@@ -153,21 +142,13 @@ fn lengthened([r, g, b, alpha]: &Spans, path: Span) -> Spans {
     let scale = |a: f64, path: f64| if a > 0.0 { longer(a, path) / a } else { path };
     let error = power_error(alpha.hi, path.hi).max(power_error(alpha.lo, path.hi));
     let color = |c: Span| {
-        Span::new(
-            c.lo * scale(alpha.hi, path.lo),
-            c.hi * scale(alpha.lo, path.hi),
-        )
-        .widened(error)
-        .relaxed(5.0 * ULP)
-        .not_negative()
+        Span::new(c.lo * scale(alpha.hi, path.lo), c.hi * scale(alpha.lo, path.hi))
+            .widened(error)
+            .relaxed(5.0 * ULP)
+            .not_negative()
     };
     let opacity = Span::new(longer(alpha.lo, path.lo), longer(alpha.hi, path.hi));
-    [
-        color(*r),
-        color(*g),
-        color(*b),
-        opacity.widened(error).not_negative(),
-    ]
+    [color(*r), color(*g), color(*b), opacity.widened(error).not_negative()]
 }
 
 /// The most that (1 − α)^path is off.

@@ -160,8 +160,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn span_and_member() -> impl Strategy<Value = (Span, f64)> {
-        (-2.0f64..2.0, 0.0f64..2.0, 0.0f64..=1.0)
-            .prop_map(|(lo, width, t)| (Span::new(lo, lo + width), lo + t * width))
+        (-2.0f64..2.0, 0.0f64..2.0, 0.0f64..=1.0).prop_map(|(lo, width, t)| (Span::new(lo, lo + width), lo + t * width))
     }
 
     fn holds(span: Span, v: f64) -> bool {

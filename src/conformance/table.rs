@@ -24,9 +24,7 @@ impl TableSpans {
         while 2 * run <= TransferTable::LEN {
             let below = &levels[levels.len() - 1];
             let pairs = below.iter().zip(&below[run..]);
-            let level = pairs
-                .map(|(a, b)| std::array::from_fn(|c| a[c].hull(b[c])))
-                .collect();
+            let level = pairs.map(|(a, b)| std::array::from_fn(|c| a[c].hull(b[c]))).collect();
             levels.push(level);
             run *= 2;
         }
@@ -49,10 +47,7 @@ impl TableSpans {
 
     fn entries(&self, first: usize, end: usize) -> [Span; 4] {
         let level = (end - first).ilog2() as usize;
-        let (a, b) = (
-            &self.levels[level][first],
-            &self.levels[level][end - (1 << level)],
-        );
+        let (a, b) = (&self.levels[level][first], &self.levels[level][end - (1 << level)]);
         std::array::from_fn(|c| a[c].hull(b[c]))
     }
 }

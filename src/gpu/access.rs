@@ -23,9 +23,7 @@ impl Use {
     pub(super) fn stage(self) -> Stage {
         match self {
             Self::CopyFrom | Self::CopyInto => Stage::COPY,
-            Self::Sample | Self::ReadUniform | Self::ReadStorage => {
-                Stage::VERTEX_SHADER | Stage::FRAGMENT_SHADER
-            }
+            Self::Sample | Self::ReadUniform | Self::ReadStorage => Stage::VERTEX_SHADER | Stage::FRAGMENT_SHADER,
             Self::ReadVertices => Stage::VERTEX_ATTRIBUTE_INPUT,
             Self::ReadIndices => Stage::INDEX_INPUT,
             Self::DrawInto => Stage::COLOR_ATTACHMENT_OUTPUT,
@@ -131,11 +129,7 @@ impl State {
             self.read = self.read.with(scope);
             return None;
         }
-        let from = if excludes {
-            self.before_write()
-        } else {
-            self.written
-        };
+        let from = if excludes { self.before_write() } else { self.written };
         let barrier = Barrier {
             from,
             to: scope,
@@ -216,9 +210,7 @@ mod tests {
     fn drawing_on_after_drawing_waits() {
         let mut state = State::default();
         assert_eq!(
-            state
-                .use_image(Use::DrawInto)
-                .map(|barrier| barrier.old_layout),
+            state.use_image(Use::DrawInto).map(|barrier| barrier.old_layout),
             Some(Layout::UNDEFINED)
         );
         let again = state.use_image(Use::DrawInto).expect("write after write");

@@ -101,20 +101,11 @@ impl Bindings {
     ///
     /// # Errors
     /// [`GpuError::Usage`] for no entries or those of another device, [`GpuError::TooLarge`]; or what Vulkan says.
-    pub fn new(
-        device: &Arc<Device>,
-        label: &str,
-        entries: &[Binding],
-    ) -> Result<Arc<Self>, GpuError> {
+    pub fn new(device: &Arc<Device>, label: &str, entries: &[Binding]) -> Result<Arc<Self>, GpuError> {
         if entries.is_empty() || !entries.iter().all(|entry| entry.is_on(device)) {
-            return Err(GpuError::usage(
-                label,
-                "bindings need entries, all of the same device",
-            ));
+            return Err(GpuError::usage(label, "bindings need entries, all of the same device"));
         }
-        entries
-            .iter()
-            .try_for_each(|entry| entry.require_size(device))?;
+        entries.iter().try_for_each(|entry| entry.require_size(device))?;
         let kinds: Vec<_> = entries.iter().map(Binding::kind).collect();
         let mut bindings = Self {
             device: Arc::clone(device),
@@ -139,17 +130,15 @@ impl Bindings {
             .descriptor_pool(self.pool)
             .set_layouts(&layouts);
         // SAFETY: pool and layout are of this device, and the pool has room for just this set.
-        let sets = unsafe { self.device.raw().allocate_descriptor_sets(&info) }
-            .map_err(GpuError::creating(label, 0))?;
+        let sets =
+            unsafe { self.device.raw().allocate_descriptor_sets(&info) }.map_err(GpuError::creating(label, 0))?;
         self.set = sets.first().copied().unwrap_or_default();
         self.device.name(self.set, label);
         Ok(())
     }
 
     fn update(&self, slot: u32, entry: &Binding) {
-        let write = vk::WriteDescriptorSet::default()
-            .dst_set(self.set)
-            .dst_binding(slot);
+        let write = vk::WriteDescriptorSet::default().dst_set(self.set).dst_binding(slot);
         let write = write.descriptor_type(entry.kind().descriptor());
         let (image, buffer);
         let write = match entry {
@@ -191,9 +180,7 @@ impl Drop for Bindings {
         // pool is ignored.
         unsafe {
             self.device.raw().destroy_descriptor_pool(self.pool, None);
-            self.device
-                .raw()
-                .destroy_descriptor_set_layout(self.layout, None);
+            self.device.raw().destroy_descriptor_set_layout(self.layout, None);
         }
     }
 }
@@ -214,25 +201,17 @@ pub(super) fn set_layout(
     let slots: Vec<_> = kinds.iter().zip(0..).map(slot).collect();
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&slots);
     // SAFETY: the device is alive and the info whole.
-    unsafe { device.raw().create_descriptor_set_layout(&info, None) }
-        .map_err(GpuError::creating(label, 0))
+    unsafe { device.raw().create_descriptor_set_layout(&info, None) }.map_err(GpuError::creating(label, 0))
 }
 
-fn pool(
-    device: &Device,
-    label: &str,
-    kinds: &[BindingKind],
-) -> Result<vk::DescriptorPool, GpuError> {
+fn pool(device: &Device, label: &str, kinds: &[BindingKind]) -> Result<vk::DescriptorPool, GpuError> {
     let size = |kind: &BindingKind| {
         vk::DescriptorPoolSize::default()
             .ty(kind.descriptor())
             .descriptor_count(1)
     };
     let sizes: Vec<_> = kinds.iter().map(size).collect();
-    let info = vk::DescriptorPoolCreateInfo::default()
-        .max_sets(1)
-        .pool_sizes(&sizes);
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
     // SAFETY: the device is alive and the info whole.
-    unsafe { device.raw().create_descriptor_pool(&info, None) }
-        .map_err(GpuError::creating(label, 0))
+    unsafe { device.raw().create_descriptor_pool(&info, None) }.map_err(GpuError::creating(label, 0))
 }

@@ -44,21 +44,13 @@ impl Buffer {
     ///
     /// # Errors
     /// [`GpuError::Usage`] for 0 bytes, [`GpuError::TooLarge`], [`GpuError::OutOfMemory`], or what Vulkan says.
-    pub fn new(
-        device: &Arc<Device>,
-        label: &str,
-        role: BufferRole,
-        bytes: u64,
-    ) -> Result<Arc<Self>, GpuError> {
+    pub fn new(device: &Arc<Device>, label: &str, role: BufferRole, bytes: u64) -> Result<Arc<Self>, GpuError> {
         if bytes == 0 {
             return Err(GpuError::usage(label, "a buffer of 0 bytes"));
         }
-        let info = vk::BufferCreateInfo::default()
-            .size(bytes)
-            .usage(usage(role));
+        let info = vk::BufferCreateInfo::default().size(bytes).usage(usage(role));
         // SAFETY: the device is alive and the info whole.
-        let raw = unsafe { device.raw().create_buffer(&info, None) }
-            .map_err(GpuError::creating(label, bytes))?;
+        let raw = unsafe { device.raw().create_buffer(&info, None) }.map_err(GpuError::creating(label, bytes))?;
         let host = Mutex::new(Host {
             allocation: None,
             last_use: 0,
@@ -82,11 +74,7 @@ impl Buffer {
     ///
     /// # Errors
     /// As [`Buffer::new`].
-    pub fn with_data<T: bytemuck::Pod>(
-        device: &Arc<Device>,
-        label: &str,
-        data: &[T],
-    ) -> Result<Arc<Self>, GpuError> {
+    pub fn with_data<T: bytemuck::Pod>(device: &Arc<Device>, label: &str, data: &[T]) -> Result<Arc<Self>, GpuError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let buffer = Self::new(device, label, BufferRole::Upload, bytes.len() as u64)?;
         buffer.write(0, bytes)?;
@@ -123,12 +111,7 @@ impl Buffer {
             let room = start.and_then(|start| bytes.get_mut(start..start.checked_add(data.len())?));
             room.map(|room| room.copy_from_slice(data))
         })?
-        .ok_or_else(|| {
-            GpuError::usage(
-                &self.label,
-                format!("{} bytes at {offset} do not fit", data.len()),
-            )
-        })
+        .ok_or_else(|| GpuError::usage(&self.label, format!("{} bytes at {offset} do not fit", data.len())))
     }
 
     /// Lets `fill` write all of the buffer, after waiting for submissions that use it. `fill` must not submit work that
@@ -169,12 +152,7 @@ impl Buffer {
     /// As [`Buffer::read`].
     pub fn read_vec<T: bytemuck::Pod>(&self) -> Result<Vec<T>, GpuError> {
         let size = std::mem::size_of::<T>().max(1);
-        self.read(|bytes| {
-            bytes
-                .chunks_exact(size)
-                .map(bytemuck::pod_read_unaligned)
-                .collect()
-        })
+        self.read(|bytes| bytes.chunks_exact(size).map(bytemuck::pod_read_unaligned).collect())
     }
 
     /// Its size in bytes.

@@ -1,8 +1,8 @@
 //! Refuses commands that contradict the objects they name, before Vulkan sees them.
 
 use super::{
-    BufferCopy, BufferRole, Command, Device, Draw, Elements, Extent, GpuError, ImageCopy,
-    ImageRole, RenderPass, StepRate,
+    BufferCopy, BufferRole, Command, Device, Draw, Elements, Extent, GpuError, ImageCopy, ImageRole, RenderPass,
+    StepRate,
 };
 
 /// Checks one command.
@@ -52,8 +52,7 @@ fn image_copy(device: &Device, copy: &ImageCopy, unfit: BufferRole) -> Result<()
         image.label(),
         "the copied region is empty or not within the image",
     )?;
-    let aligned =
-        copy.offset.is_multiple_of(4) && copy.offset.is_multiple_of(image.texel_bytes().max(1));
+    let aligned = copy.offset.is_multiple_of(4) && copy.offset.is_multiple_of(image.texel_bytes().max(1));
     require(
         aligned,
         buffer.label(),
@@ -84,11 +83,7 @@ fn buffer_copy(device: &Device, copy: &BufferCopy) -> Result<(), GpuError> {
         to.label(),
         "an upload buffer cannot be copied into",
     )?;
-    require(
-        !std::ptr::eq(&**from, &**to),
-        to.label(),
-        "a buffer copied into itself",
-    )?;
+    require(!std::ptr::eq(&**from, &**to), to.label(), "a buffer copied into itself")?;
     require(copy.bytes > 0, to.label(), "a copy of 0 bytes")?;
     require(
         fits(copy.source_offset, copy.bytes, from.bytes()),
@@ -108,11 +103,7 @@ fn render(device: &Device, pass: &RenderPass) -> Result<(), GpuError> {
     };
     for (place, target) in pass.targets.iter().enumerate() {
         let image = &target.image;
-        require(
-            image.is_on(device),
-            image.label(),
-            "a target of another device",
-        )?;
+        require(image.is_on(device), image.label(), "a target of another device")?;
         require(
             image.role() == ImageRole::ColorTarget,
             image.label(),
@@ -149,11 +140,7 @@ fn same_state(a: &Draw, b: &Draw) -> bool {
 
 fn state(device: &Device, pass: &RenderPass, draw: &Draw) -> Result<(), GpuError> {
     let label = draw.pipeline.label();
-    require(
-        draw.pipeline.is_on(device),
-        label,
-        "a pipeline of another device",
-    )?;
+    require(draw.pipeline.is_on(device), label, "a pipeline of another device")?;
     let formats = pass.targets.iter().map(|target| target.image.format());
     require(
         formats.eq(draw.pipeline.targets().iter().copied()),
@@ -167,11 +154,7 @@ fn state(device: &Device, pass: &RenderPass, draw: &Draw) -> Result<(), GpuError
         "bindings of another device",
     )?;
     let kinds = bindings.map_or_else(Vec::new, |bindings| {
-        bindings
-            .entries()
-            .iter()
-            .map(|entry| entry.kind())
-            .collect()
+        bindings.entries().iter().map(|entry| entry.kind()).collect()
     });
     require(
         kinds == draw.pipeline.bindings(),
@@ -215,8 +198,7 @@ fn amounts(draw: &Draw) -> Result<(), GpuError> {
         u64::from(count) * u64::from(stride),
         stream.buffer.bytes(),
     );
-    let usable =
-        within && stream.offset.is_multiple_of(4) && stream.buffer.role() != BufferRole::Readback;
+    let usable = within && stream.offset.is_multiple_of(4) && stream.buffer.role() != BufferRole::Readback;
     require(
         usable,
         stream.buffer.label(),

@@ -15,8 +15,7 @@ impl<'a> Shader<'a> {
     fn new(device: &'a Device, label: &str, spirv: &[u32]) -> Result<Self, GpuError> {
         let info = vk::ShaderModuleCreateInfo::default().code(spirv);
         // SAFETY: the words are SPIR-V from a compiler, as `PipelineDesc` asks; its magic number was checked.
-        let raw = unsafe { device.raw().create_shader_module(&info, None) }
-            .map_err(GpuError::creating(label, 0))?;
+        let raw = unsafe { device.raw().create_shader_module(&info, None) }.map_err(GpuError::creating(label, 0))?;
         Ok(Self { device, raw })
     }
 
@@ -57,17 +56,9 @@ impl Lists {
         };
         Self {
             constants: desc.specialization.iter().zip(0..).map(constant).collect(),
-            values: desc
-                .specialization
-                .iter()
-                .map(|constant| constant.1)
-                .collect(),
+            values: desc.specialization.iter().map(|constant| constant.1).collect(),
             vertices: vertex_descriptions(desc),
-            blends: desc
-                .color_targets
-                .iter()
-                .map(|target| blend_state(target.1))
-                .collect(),
+            blends: desc.color_targets.iter().map(|target| blend_state(target.1)).collect(),
             formats: desc.color_targets.iter().map(|target| target.0).collect(),
         }
     }
@@ -92,8 +83,7 @@ pub(super) fn compile(
         .vertex_binding_descriptions(&lists.vertices.0)
         .vertex_attribute_descriptions(&lists.vertices.1);
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&lists.blends);
-    let mut rendering =
-        vk::PipelineRenderingCreateInfo::default().color_attachment_formats(&lists.formats);
+    let mut rendering = vk::PipelineRenderingCreateInfo::default().color_attachment_formats(&lists.formats);
     let info = vk::GraphicsPipelineCreateInfo::default()
         .stages(&stages)
         .vertex_input_state(&vertices)
@@ -109,14 +99,12 @@ fn with_fixed_states(
     desc: &PipelineDesc,
     info: vk::GraphicsPipelineCreateInfo,
 ) -> Result<vk::Pipeline, GpuError> {
-    let assembly =
-        vk::PipelineInputAssemblyStateCreateInfo::default().topology(desc.topology.raw());
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(desc.topology.raw());
     let viewport = vk::PipelineViewportStateCreateInfo::default()
         .viewport_count(1)
         .scissor_count(1);
     let rasterization = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
-    let samples = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
     let info = info

@@ -69,8 +69,7 @@ impl Device {
     ) -> Result<Self, GpuError> {
         // SAFETY: the device was made with one queue of this family.
         let queue = unsafe { raw.get_device_queue(family, 0) };
-        let made =
-            allocator(instance, physical, &raw).and_then(|memory| Ok((memory, timeline(&raw)?)));
+        let made = allocator(instance, physical, &raw).and_then(|memory| Ok((memory, timeline(&raw)?)));
         // SAFETY: on failure nothing of the device is left but itself.
         let (memory, timeline) = made.inspect_err(|_| unsafe { raw.destroy_device(None) })?;
         Ok(Self {
@@ -113,9 +112,7 @@ impl Device {
     /// Waits until the timeline has reached `value`; false if `timeout` passes first.
     pub(super) fn wait_for(&self, value: u64, timeout: Duration) -> Result<bool, GpuError> {
         let (semaphores, values) = ([self.timeline], [value]);
-        let info = vk::SemaphoreWaitInfo::default()
-            .semaphores(&semaphores)
-            .values(&values);
+        let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
         let nanoseconds = u64::try_from(timeout.as_nanos()).unwrap_or(u64::MAX);
         // SAFETY: the semaphore is this device's.
         match unsafe { self.raw.wait_semaphores(&info, nanoseconds) } {
@@ -146,9 +143,7 @@ impl Device {
     }
 
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
-        self.allocator
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Names `handle` in validation messages; nothing without validation.
@@ -204,11 +199,7 @@ fn create(
     device.map_err(GpuError::vulkan("open the device"))
 }
 
-fn allocator(
-    instance: &Instance,
-    physical: vk::PhysicalDevice,
-    raw: &ash::Device,
-) -> Result<Allocator, GpuError> {
+fn allocator(instance: &Instance, physical: vk::PhysicalDevice, raw: &ash::Device) -> Result<Allocator, GpuError> {
     let desc = AllocatorCreateDesc {
         instance: instance.raw().clone(),
         device: raw.clone(),
@@ -219,13 +210,11 @@ fn allocator(
             .with_max_device_memblock_size(256 << 20)
             .with_max_host_memblock_size(64 << 20),
     };
-    Allocator::new(&desc)
-        .map_err(|error| GpuError::usage("the memory allocator", error.to_string()))
+    Allocator::new(&desc).map_err(|error| GpuError::usage("the memory allocator", error.to_string()))
 }
 
 fn timeline(raw: &ash::Device) -> Result<vk::Semaphore, GpuError> {
-    let mut kind =
-        vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
+    let mut kind = vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
     let info = vk::SemaphoreCreateInfo::default().push_next(&mut kind);
     // SAFETY: the feature was enabled.
     unsafe { raw.create_semaphore(&info, None) }.map_err(GpuError::vulkan("create the timeline"))

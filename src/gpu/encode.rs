@@ -8,8 +8,8 @@ use super::pipeline::PUSH_STAGES;
 use super::track::{Barriers, Tracker};
 use super::uses::track;
 use super::{
-    Bindings, Buffer, BufferCopy, BufferRole, Command, Device, Draw, Elements, GpuError,
-    GraphicsPipeline, ImageCopy, Load, Push, Recording, RenderPass, Target,
+    Bindings, Buffer, BufferCopy, BufferRole, Command, Device, Draw, Elements, GpuError, GraphicsPipeline, ImageCopy,
+    Load, Push, Recording, RenderPass, Target,
 };
 
 /// Writes commands, all in one command buffer that is being recorded.
@@ -22,11 +22,7 @@ pub(super) struct Encoder<'a> {
 }
 
 impl<'a> Encoder<'a> {
-    pub(super) fn new(
-        device: &'a Device,
-        commands: vk::CommandBuffer,
-        times: Option<vk::QueryPool>,
-    ) -> Self {
+    pub(super) fn new(device: &'a Device, commands: vk::CommandBuffer, times: Option<vk::QueryPool>) -> Self {
         Self {
             device,
             commands,
@@ -36,11 +32,7 @@ impl<'a> Encoder<'a> {
     }
 
     /// Writes all of `recording`, and notes in `tracker` what it uses.
-    pub(super) fn encode(
-        &mut self,
-        recording: &Recording,
-        tracker: &mut Tracker,
-    ) -> Result<(), GpuError> {
+    pub(super) fn encode(&mut self, recording: &Recording, tracker: &mut Tracker) -> Result<(), GpuError> {
         for command in &recording.commands {
             check(self.device, command)?;
             track(command, tracker)?;
@@ -68,11 +60,7 @@ impl<'a> Encoder<'a> {
             .image_memory_barriers(images)
             .buffer_memory_barriers(buffers);
         // SAFETY: recording, outside a pass; the barriers name live objects, held by the tracker.
-        unsafe {
-            self.device
-                .raw()
-                .cmd_pipeline_barrier2(self.commands, &info)
-        };
+        unsafe { self.device.raw().cmd_pipeline_barrier2(self.commands, &info) };
     }
 
     fn command(&mut self, command: &Command) {
@@ -88,13 +76,9 @@ impl<'a> Encoder<'a> {
         let (buffer, image, layout) = (copy.buffer.raw(), copy.image.raw(), Use::CopyInto.layout());
         // SAFETY: the copy was checked; barriers made the image ready.
         unsafe {
-            self.device.raw().cmd_copy_buffer_to_image(
-                self.commands,
-                buffer,
-                image,
-                layout,
-                &[texels(copy)],
-            )
+            self.device
+                .raw()
+                .cmd_copy_buffer_to_image(self.commands, buffer, image, layout, &[texels(copy)])
         };
     }
 
@@ -102,13 +86,9 @@ impl<'a> Encoder<'a> {
         let (buffer, image, layout) = (copy.buffer.raw(), copy.image.raw(), Use::CopyFrom.layout());
         // SAFETY: the copy was checked; barriers made the image ready.
         unsafe {
-            self.device.raw().cmd_copy_image_to_buffer(
-                self.commands,
-                image,
-                layout,
-                buffer,
-                &[texels(copy)],
-            )
+            self.device
+                .raw()
+                .cmd_copy_image_to_buffer(self.commands, image, layout, buffer, &[texels(copy)])
         };
     }
 
@@ -151,9 +131,7 @@ impl<'a> Encoder<'a> {
             raw.cmd_set_scissor(self.commands, 0, &[area]);
         }
         let mut bound = Bound::default();
-        pass.draws
-            .iter()
-            .for_each(|draw| self.draw(draw, &mut bound));
+        pass.draws.iter().for_each(|draw| self.draw(draw, &mut bound));
         // SAFETY: a pass was begun.
         unsafe { raw.cmd_end_rendering(self.commands) };
         self.timestamp(2 * self.passes + 1, vk::PipelineStageFlags2::BOTTOM_OF_PIPE);
@@ -189,14 +167,7 @@ impl<'a> Encoder<'a> {
                 } => {
                     self.bind_indices(buffer, bound);
                     let (first_index, indices) = span(range);
-                    raw.cmd_draw_indexed(
-                        self.commands,
-                        indices,
-                        count,
-                        first_index,
-                        *base_vertex,
-                        first,
-                    );
+                    raw.cmd_draw_indexed(self.commands, indices, count, first_index, *base_vertex, first);
                 }
             }
         }
@@ -223,9 +194,7 @@ impl<'a> Encoder<'a> {
     fn bind_data<'d>(&self, draw: &'d Draw, bound: &mut Bound<'d>) {
         let (raw, layout) = (self.device.raw(), draw.pipeline.layout());
         if let Some(bindings) = &draw.bindings
-            && !bound
-                .bindings
-                .is_some_and(|last| std::ptr::eq(last, &**bindings))
+            && !bound.bindings.is_some_and(|last| std::ptr::eq(last, &**bindings))
         {
             bound.bindings = Some(bindings);
             let (point, sets) = (vk::PipelineBindPoint::GRAPHICS, [bindings.set()]);
@@ -237,21 +206,12 @@ impl<'a> Encoder<'a> {
         {
             bound.stream = Some((stream.buffer.raw(), stream.offset));
             // SAFETY: the buffer is held by the tracker and may hold vertices.
-            unsafe {
-                raw.cmd_bind_vertex_buffers(
-                    self.commands,
-                    0,
-                    &[stream.buffer.raw()],
-                    &[stream.offset],
-                )
-            };
+            unsafe { raw.cmd_bind_vertex_buffers(self.commands, 0, &[stream.buffer.raw()], &[stream.offset]) };
         }
         if !draw.push.bytes().is_empty() && bound.push != Some(&draw.push) {
             bound.push = Some(&draw.push);
             // SAFETY: the bytes are as many as the layout declares.
-            unsafe {
-                raw.cmd_push_constants(self.commands, layout, PUSH_STAGES, 0, draw.push.bytes())
-            };
+            unsafe { raw.cmd_push_constants(self.commands, layout, PUSH_STAGES, 0, draw.push.bytes()) };
         }
     }
 
@@ -262,12 +222,9 @@ impl<'a> Encoder<'a> {
         bound.indices = Some(buffer.raw());
         // SAFETY: the buffer is held by the tracker and may hold indices.
         unsafe {
-            self.device.raw().cmd_bind_index_buffer(
-                self.commands,
-                buffer.raw(),
-                0,
-                vk::IndexType::UINT32,
-            )
+            self.device
+                .raw()
+                .cmd_bind_index_buffer(self.commands, buffer.raw(), 0, vk::IndexType::UINT32)
         };
     }
 }
@@ -305,19 +262,12 @@ fn texels(copy: &ImageCopy) -> vk::BufferImageCopy {
     let color = vk::ImageSubresourceLayers::default()
         .aspect_mask(vk::ImageAspectFlags::COLOR)
         .layer_count(1);
-    let [x, y, z] = copy
-        .region
-        .offset
-        .map(|edge| i32::try_from(edge).unwrap_or(i32::MAX));
+    let [x, y, z] = copy.region.offset.map(|edge| i32::try_from(edge).unwrap_or(i32::MAX));
     let [width, height, depth] = copy.region.extent;
     let texels = vk::BufferImageCopy::default()
         .buffer_offset(copy.offset)
         .image_subresource(color);
     texels
         .image_offset(vk::Offset3D { x, y, z })
-        .image_extent(vk::Extent3D {
-            width,
-            height,
-            depth,
-        })
+        .image_extent(vk::Extent3D { width, height, depth })
 }

@@ -7,19 +7,13 @@ use ash::vk;
 #[non_exhaustive]
 pub enum GpuError {
     /// The Vulkan loader library is missing.
-    #[error(
-        "Vulkan cannot be loaded: {0}; install libvulkan1 and a driver, such as mesa-vulkan-drivers"
-    )]
+    #[error("Vulkan cannot be loaded: {0}; install libvulkan1 and a driver, such as mesa-vulkan-drivers")]
     NoLoader(String),
     /// The loader is older than Vulkan 1.3.
-    #[error(
-        "the Vulkan loader supports version {0}, at least 1.3 is needed; install a newer libvulkan1"
-    )]
+    #[error("the Vulkan loader supports version {0}, at least 1.3 is needed; install a newer libvulkan1")]
     OldLoader(String),
     /// Validation was asked for, but its layer is not installed.
-    #[error(
-        "the layer VK_LAYER_KHRONOS_validation is missing; install vulkan-validationlayers or turn validation off"
-    )]
+    #[error("the layer VK_LAYER_KHRONOS_validation is missing; install vulkan-validationlayers or turn validation off")]
     NoValidationLayer,
     /// There is no Vulkan device at all.
     #[error("no Vulkan device found; install a driver, such as mesa-vulkan-drivers")]
@@ -33,9 +27,7 @@ pub enum GpuError {
         found: String,
     },
     /// The text does not say which device.
-    #[error(
-        "{0:?} does not name a device; give an index, `uuid:` and 32 hexadecimal digits, or a part of its name"
-    )]
+    #[error("{0:?} does not name a device; give an index, `uuid:` and 32 hexadecimal digits, or a part of its name")]
     BadSelector(String),
     /// The device lacks something that is required.
     #[error("the device {device} lacks {}", missing.join(", "))]
@@ -91,12 +83,10 @@ impl GpuError {
     pub(super) fn vulkan(doing: &str) -> impl FnOnce(vk::Result) -> Self + '_ {
         move |result| match result {
             vk::Result::ERROR_DEVICE_LOST => Self::DeviceLost,
-            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-                Self::OutOfMemory {
-                    label: doing.to_owned(),
-                    bytes: 0,
-                }
-            }
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => Self::OutOfMemory {
+                label: doing.to_owned(),
+                bytes: 0,
+            },
             _ => Self::Vulkan {
                 doing: doing.to_owned(),
                 result,

@@ -76,8 +76,7 @@ impl Image {
         let bytes = require_possible(device, label, role, format, extent)?;
         let info = create_info(role, format, extent);
         // SAFETY: the device supports images like this (just asked).
-        let raw = unsafe { device.raw().create_image(&info, None) }
-            .map_err(GpuError::creating(label, bytes))?;
+        let raw = unsafe { device.raw().create_image(&info, None) }.map_err(GpuError::creating(label, bytes))?;
         let mut image = Self {
             device: Arc::clone(device),
             raw,
@@ -227,20 +226,12 @@ fn image_type(extent: Extent) -> vk::ImageType {
     }
 }
 
-fn create_info(
-    role: ImageRole,
-    format: vk::Format,
-    extent: Extent,
-) -> vk::ImageCreateInfo<'static> {
+fn create_info(role: ImageRole, format: vk::Format, extent: Extent) -> vk::ImageCreateInfo<'static> {
     let [width, height, depth] = extent.edges();
     vk::ImageCreateInfo::default()
         .image_type(image_type(extent))
         .format(format)
-        .extent(vk::Extent3D {
-            width,
-            height,
-            depth,
-        })
+        .extent(vk::Extent3D { width, height, depth })
         .mip_levels(1)
         .array_layers(1)
         .samples(vk::SampleCountFlags::TYPE_1)
@@ -256,36 +247,29 @@ fn require_possible(
     format: vk::Format,
     extent: Extent,
 ) -> Result<u64, GpuError> {
-    let texel = texel_bytes(format)
-        .ok_or_else(|| GpuError::usage(label, format!("the format {format:?} is not known")))?;
+    let texel =
+        texel_bytes(format).ok_or_else(|| GpuError::usage(label, format!("the format {format:?} is not known")))?;
     if extent.texels() == 0 {
-        return Err(GpuError::usage(
-            label,
-            format!("an image without texels: {extent:?}"),
-        ));
+        return Err(GpuError::usage(label, format!("an image without texels: {extent:?}")));
     }
     if role == ImageRole::ColorTarget && matches!(extent, Extent::D3(..)) {
         return Err(GpuError::usage(label, "a 3D image cannot be drawn into"));
     }
     // SAFETY: the physical device is of this instance.
     let possible = unsafe {
-        device
-            .instance()
-            .raw()
-            .get_physical_device_image_format_properties(
-                device.physical(),
-                format,
-                image_type(extent),
-                vk::ImageTiling::OPTIMAL,
-                usage(role),
-                vk::ImageCreateFlags::empty(),
-            )
+        device.instance().raw().get_physical_device_image_format_properties(
+            device.physical(),
+            format,
+            image_type(extent),
+            vk::ImageTiling::OPTIMAL,
+            usage(role),
+            vk::ImageCreateFlags::empty(),
+        )
     };
     let possible = possible.map_err(|result| match result {
-        vk::Result::ERROR_FORMAT_NOT_SUPPORTED => GpuError::usage(
-            label,
-            format!("the device cannot use {format:?} as {role:?}"),
-        ),
+        vk::Result::ERROR_FORMAT_NOT_SUPPORTED => {
+            GpuError::usage(label, format!("the device cannot use {format:?} as {role:?}"))
+        }
         other => GpuError::vulkan("ask about an image format")(other),
     })?;
     let bytes = extent.texels().saturating_mul(texel);
@@ -298,10 +282,7 @@ fn require_possible(
     ];
     let limits = limits.map(|limit| edge.min(u64::from(limit)));
     let asked = extent.edges().map(u64::from);
-    let sizes = ["width", "height", "depth"]
-        .into_iter()
-        .zip(asked)
-        .zip(limits);
+    let sizes = ["width", "height", "depth"].into_iter().zip(asked).zip(limits);
     let sizes = sizes.map(|((what, asked), limit)| (what, asked, limit));
     match sizes
         .chain([("bytes", bytes, possible.max_resource_size)])

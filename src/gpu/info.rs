@@ -109,11 +109,7 @@ impl DeviceInfo {
             .push_next(&mut driver)
             .push_next(&mut maintenance);
         // SAFETY: `device` is of this instance.
-        unsafe {
-            instance
-                .raw()
-                .get_physical_device_properties2(device, &mut all)
-        };
+        unsafe { instance.raw().get_physical_device_properties2(device, &mut all) };
         let properties = all.properties;
         let mut limits = limits(&properties.limits, maintenance.max_memory_allocation_size);
         limits.memory_bytes = memory_bytes(instance, device);
@@ -145,8 +141,7 @@ impl DeviceInfo {
 }
 
 fn text<E>(name: Result<&std::ffi::CStr, E>) -> String {
-    name.map(|name| name.to_string_lossy().into_owned())
-        .unwrap_or_default()
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn kind(device_type: vk::PhysicalDeviceType) -> DeviceKind {
@@ -193,13 +188,8 @@ fn memory_bytes(instance: &Instance, device: vk::PhysicalDevice) -> u64 {
 /// The first queue family that draws (and so copies), if any.
 pub(super) fn graphics_family(instance: &Instance, device: vk::PhysicalDevice) -> Option<u32> {
     // SAFETY: `device` is of this instance.
-    let families = unsafe {
-        instance
-            .raw()
-            .get_physical_device_queue_family_properties(device)
-    };
-    let draws =
-        |family: &vk::QueueFamilyProperties| family.queue_flags.contains(vk::QueueFlags::GRAPHICS);
+    let families = unsafe { instance.raw().get_physical_device_queue_family_properties(device) };
+    let draws = |family: &vk::QueueFamilyProperties| family.queue_flags.contains(vk::QueueFlags::GRAPHICS);
     families
         .iter()
         .position(draws)
@@ -213,10 +203,7 @@ fn missing(
     requirements: &Requirements,
 ) -> Vec<String> {
     if properties.api_version < vk::API_VERSION_1_3 {
-        return vec![format!(
-            "Vulkan 1.3 (it has {})",
-            version_text(properties.api_version)
-        )];
+        return vec![format!("Vulkan 1.3 (it has {})", version_text(properties.api_version))];
     }
     let mut missing = missing_features(instance, device, requirements.features);
     if graphics_family(instance, device).is_none() {
@@ -233,22 +220,14 @@ fn missing(
     missing
 }
 
-fn missing_features(
-    instance: &Instance,
-    device: vk::PhysicalDevice,
-    features: &[Feature],
-) -> Vec<String> {
+fn missing_features(instance: &Instance, device: vk::PhysicalDevice, features: &[Feature]) -> Vec<String> {
     let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
     let mut all = vk::PhysicalDeviceFeatures2::default()
         .push_next(&mut v12)
         .push_next(&mut v13);
     // SAFETY: `device` is of this instance and supports 1.3, to which the chained structures belong.
-    unsafe {
-        instance
-            .raw()
-            .get_physical_device_features2(device, &mut all)
-    };
+    unsafe { instance.raw().get_physical_device_features2(device, &mut all) };
     let independent = all.features.independent_blend;
     let core = [
         ("timelineSemaphore", v12.timeline_semaphore),
@@ -259,36 +238,20 @@ fn missing_features(
     let asked = features.iter().map(|feature| match feature {
         Feature::IndependentBlend => ("independentBlend", independent),
     });
-    let absent = core
-        .into_iter()
-        .chain(asked)
-        .filter(|&(_, has)| has == vk::FALSE);
-    absent
-        .map(|(name, _)| format!("the feature {name}"))
-        .collect()
+    let absent = core.into_iter().chain(asked).filter(|&(_, has)| has == vk::FALSE);
+    absent.map(|(name, _)| format!("the feature {name}")).collect()
 }
 
-fn missing_formats(
-    instance: &Instance,
-    device: vk::PhysicalDevice,
-    requirements: &Requirements,
-) -> Vec<String> {
+fn missing_formats(instance: &Instance, device: vk::PhysicalDevice, requirements: &Requirements) -> Vec<String> {
     use vk::FormatFeatureFlags as F;
     let sampled = [
         (F::SAMPLED_IMAGE_FILTER_LINEAR, "linear filtering"),
         (F::TRANSFER_DST, "copies into"),
     ];
-    let blended = [
-        (F::COLOR_ATTACHMENT_BLEND, "blending"),
-        (F::TRANSFER_SRC, "copies out"),
-    ];
+    let blended = [(F::COLOR_ATTACHMENT_BLEND, "blending"), (F::TRANSFER_SRC, "copies out")];
     let lacks = |format: vk::Format, needs: [(F, &'static str); 2]| {
         // SAFETY: `device` is of this instance.
-        let has = unsafe {
-            instance
-                .raw()
-                .get_physical_device_format_properties(device, format)
-        };
+        let has = unsafe { instance.raw().get_physical_device_format_properties(device, format) };
         let absent = needs
             .into_iter()
             .filter(move |need| !has.optimal_tiling_features.contains(need.0));
@@ -299,11 +262,6 @@ fn missing_formats(
         .iter()
         .flat_map(|&format| lacks(format, sampled));
     sampled
-        .chain(
-            requirements
-                .blended
-                .iter()
-                .flat_map(|&format| lacks(format, blended)),
-        )
+        .chain(requirements.blended.iter().flat_map(|&format| lacks(format, blended)))
         .collect()
 }

@@ -25,8 +25,7 @@ impl Instance {
     /// [`GpuError::NoLoader`], [`GpuError::OldLoader`], [`GpuError::NoValidationLayer`], or what Vulkan says.
     pub fn new(validation: Validation) -> Result<Arc<Self>, GpuError> {
         // SAFETY: loading the system's Vulkan library runs its initialisers, which are trusted as the system is.
-        let entry =
-            unsafe { Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
+        let entry = unsafe { Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
         require_version(&entry)?;
         let messages = Messages::default();
         let raw = create(&entry, validation, &messages)?;
@@ -37,11 +36,7 @@ impl Instance {
             _entry: entry,
         };
         if validation == Validation::On {
-            instance.messenger = Some(Messenger::new(
-                &instance._entry,
-                &instance.raw,
-                &instance.messages,
-            )?);
+            instance.messenger = Some(Messenger::new(&instance._entry, &instance.raw, &instance.messages)?);
         }
         Ok(Arc::new(instance))
     }
@@ -61,10 +56,7 @@ impl Instance {
 
     /// The warnings and errors of the validation layer so far; empty without validation.
     pub fn messages(&self) -> Vec<String> {
-        self.messages
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        self.messages.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Takes the messages out, so that a test can look at its own.
@@ -74,8 +66,7 @@ impl Instance {
 
     pub(super) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>, GpuError> {
         // SAFETY: the instance is alive.
-        unsafe { self.raw.enumerate_physical_devices() }
-            .map_err(GpuError::vulkan("list the devices"))
+        unsafe { self.raw.enumerate_physical_devices() }.map_err(GpuError::vulkan("list the devices"))
     }
 
     pub(super) fn raw(&self) -> &ash::Instance {
@@ -97,8 +88,7 @@ impl Drop for Instance {
 
 fn require_version(entry: &Entry) -> Result<(), GpuError> {
     // SAFETY: the loader is loaded.
-    let version = unsafe { entry.try_enumerate_instance_version() }
-        .map_err(GpuError::vulkan("read the version"))?;
+    let version = unsafe { entry.try_enumerate_instance_version() }.map_err(GpuError::vulkan("read the version"))?;
     let version = version.unwrap_or(vk::API_VERSION_1_0);
     if version < vk::API_VERSION_1_3 {
         return Err(GpuError::OldLoader(version_text(version)));
@@ -106,11 +96,7 @@ fn require_version(entry: &Entry) -> Result<(), GpuError> {
     Ok(())
 }
 
-fn create(
-    entry: &Entry,
-    validation: Validation,
-    messages: &Messages,
-) -> Result<ash::Instance, GpuError> {
+fn create(entry: &Entry, validation: Validation, messages: &Messages) -> Result<ash::Instance, GpuError> {
     let application = vk::ApplicationInfo::default()
         .application_name(c"vcsg")
         .api_version(vk::API_VERSION_1_3);
@@ -123,9 +109,7 @@ fn create(
     let mut info = vk::InstanceCreateInfo::default().application_info(&application);
     if validation == Validation::On {
         require_layer(entry)?;
-        info = info
-            .enabled_layer_names(&layers)
-            .enabled_extension_names(&extensions);
+        info = info.enabled_layer_names(&layers).enabled_extension_names(&extensions);
         info = info.push_next(&mut messenger).push_next(&mut features);
     }
     // SAFETY: everything `info` points to lives until the call returns, `messages` longer than the instance.
@@ -137,9 +121,6 @@ fn create(
 
 /// `1.3.239` of Vulkan's packed version.
 pub(super) fn version_text(version: u32) -> String {
-    let (major, minor) = (
-        vk::api_version_major(version),
-        vk::api_version_minor(version),
-    );
+    let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
     format!("{major}.{minor}.{}", vk::api_version_patch(version))
 }

@@ -38,16 +38,13 @@ pub(super) fn allocate(
         linear: holds == Holds::Buffer,
         allocation_scheme: AllocationScheme::GpuAllocatorManaged,
     };
-    device
-        .allocator()
-        .allocate(&desc)
-        .map_err(|error| match error {
-            AllocationError::OutOfMemory => GpuError::OutOfMemory {
-                label: label.to_owned(),
-                bytes,
-            },
-            other => GpuError::usage(label, format!("{bytes} bytes of memory: {other}")),
-        })
+    device.allocator().allocate(&desc).map_err(|error| match error {
+        AllocationError::OutOfMemory => GpuError::OutOfMemory {
+            label: label.to_owned(),
+            bytes,
+        },
+        other => GpuError::usage(label, format!("{bytes} bytes of memory: {other}")),
+    })
 }
 
 /// Gives memory back.

@@ -42,8 +42,7 @@ pub use instance::Instance;
 pub use pipeline::GraphicsPipeline;
 pub use pipeline_parts::{Attribute, Blend, PipelineDesc, StepRate, Topology, VertexInput};
 pub use recording::{
-    BufferCopy, Command, Draw, Elements, ImageCopy, Load, Push, Recording, Region, RenderPass,
-    Stream, Target,
+    BufferCopy, Command, Draw, Elements, ImageCopy, Load, Push, Recording, Region, RenderPass, Stream, Target,
 };
 pub use sampler::{Filter, Sampler};
 pub use select::DeviceSelector;

@@ -132,20 +132,14 @@ fn pipeline_layout(
     let push = vk::PushConstantRange::default()
         .stage_flags(PUSH_STAGES)
         .size(desc.push_bytes);
-    let pushes = if desc.push_bytes > 0 {
-        vec![push]
-    } else {
-        Vec::new()
-    };
+    let pushes = if desc.push_bytes > 0 { vec![push] } else { Vec::new() };
     let info = vk::PipelineLayoutCreateInfo::default()
         .set_layouts(&sets)
         .push_constant_ranges(&pushes);
     // SAFETY: the set layout is of this device.
-    unsafe { device.raw().create_pipeline_layout(&info, None) }
-        .map_err(GpuError::creating(desc.label, 0))
+    unsafe { device.raw().create_pipeline_layout(&info, None) }.map_err(GpuError::creating(desc.label, 0))
 }
 
 /// The stages that see push constants.
-pub(super) const PUSH_STAGES: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(
-    vk::ShaderStageFlags::VERTEX.as_raw() | vk::ShaderStageFlags::FRAGMENT.as_raw(),
-);
+pub(super) const PUSH_STAGES: vk::ShaderStageFlags =
+    vk::ShaderStageFlags::from_raw(vk::ShaderStageFlags::VERTEX.as_raw() | vk::ShaderStageFlags::FRAGMENT.as_raw());

@@ -105,8 +105,7 @@ impl StepRate {
 /// The fixed-function state of `blend`.
 pub(super) fn blend_state(blend: Option<Blend>) -> vk::PipelineColorBlendAttachmentState {
     use vk::{BlendFactor as Factor, BlendOp as Op};
-    let state = vk::PipelineColorBlendAttachmentState::default()
-        .color_write_mask(vk::ColorComponentFlags::RGBA);
+    let state = vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
     let Some(blend) = blend else { return state };
     let (target_factor, op) = match blend {
         Blend::Over => (Factor::ONE_MINUS_SRC_ALPHA, Op::ADD),
@@ -114,10 +113,7 @@ pub(super) fn blend_state(blend: Option<Blend>) -> vk::PipelineColorBlendAttachm
         Blend::Max => (Factor::ONE, Op::MAX),
         Blend::Min => (Factor::ONE, Op::MIN),
     };
-    let state = state
-        .blend_enable(true)
-        .color_blend_op(op)
-        .alpha_blend_op(op);
+    let state = state.blend_enable(true).color_blend_op(op).alpha_blend_op(op);
     let state = state
         .src_color_blend_factor(Factor::ONE)
         .src_alpha_blend_factor(Factor::ONE);

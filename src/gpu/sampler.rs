@@ -32,16 +32,10 @@ impl Sampler {
             Filter::Linear => vk::Filter::LINEAR,
         };
         let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
-        let info = vk::SamplerCreateInfo::default()
-            .mag_filter(filter)
-            .min_filter(filter);
-        let info = info
-            .address_mode_u(edge)
-            .address_mode_v(edge)
-            .address_mode_w(edge);
+        let info = vk::SamplerCreateInfo::default().mag_filter(filter).min_filter(filter);
+        let info = info.address_mode_u(edge).address_mode_v(edge).address_mode_w(edge);
         // SAFETY: the device is alive and the info whole.
-        let raw = unsafe { device.raw().create_sampler(&info, None) }
-            .map_err(GpuError::vulkan("create a sampler"))?;
+        let raw = unsafe { device.raw().create_sampler(&info, None) }.map_err(GpuError::vulkan("create a sampler"))?;
         Ok(Arc::new(Self {
             device: Arc::clone(device),
             raw,

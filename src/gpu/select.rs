@@ -68,9 +68,7 @@ impl FromStr for DeviceSelector {
         match text.trim() {
             "" => Err(bad()),
             "default" => Ok(Self::Default),
-            word => Ok(word
-                .parse()
-                .map_or_else(|_| Self::Name(word.to_owned()), Self::Index)),
+            word => Ok(word.parse().map_or_else(|_| Self::Name(word.to_owned()), Self::Index)),
         }
     }
 }

@@ -42,12 +42,7 @@ impl Device {
         Ok(submission)
     }
 
-    fn hand_over(
-        &self,
-        queue: vk::Queue,
-        commands: vk::CommandBuffer,
-        value: u64,
-    ) -> Result<(), GpuError> {
+    fn hand_over(&self, queue: vk::Queue, commands: vk::CommandBuffer, value: u64) -> Result<(), GpuError> {
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
         let done = vk::SemaphoreSubmitInfo::default()
             .semaphore(self.timeline())
@@ -57,8 +52,7 @@ impl Device {
             .command_buffer_infos(&commands)
             .signal_semaphore_infos(&done);
         // SAFETY: the queue is locked by the caller, the command buffer ended, and the value above all before it.
-        unsafe { self.raw().queue_submit2(queue, &[info], vk::Fence::null()) }
-            .map_err(GpuError::vulkan("submit"))
+        unsafe { self.raw().queue_submit2(queue, &[info], vk::Fence::null()) }.map_err(GpuError::vulkan("submit"))
     }
 }
 
@@ -95,8 +89,7 @@ impl Submission {
         let info = info.query_count(self.passes.saturating_mul(2));
         // SAFETY: the device can time its work.
         let pool = unsafe { self.device.raw().create_query_pool(&info, None) };
-        pool.map(Some)
-            .map_err(GpuError::vulkan("create a query pool"))
+        pool.map(Some).map_err(GpuError::vulkan("create a query pool"))
     }
 
     fn record(&mut self, recording: &Recording) -> Result<vk::CommandBuffer, GpuError> {
@@ -105,11 +98,9 @@ impl Submission {
             .command_pool(self.pool)
             .command_buffer_count(1);
         // SAFETY: the pool is this submission's own.
-        let buffers =
-            unsafe { raw.allocate_command_buffers(&info) }.map_err(GpuError::vulkan("record"))?;
+        let buffers = unsafe { raw.allocate_command_buffers(&info) }.map_err(GpuError::vulkan("record"))?;
         let commands = buffers.first().copied().unwrap_or_default();
-        let once = vk::CommandBufferBeginInfo::default()
-            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is new; the queries are this submission's own.
         unsafe {
             raw.begin_command_buffer(commands, &once)
@@ -120,8 +111,7 @@ impl Submission {
         }
         Encoder::new(&self.device, commands, self.times).encode(recording, &mut self.held)?;
         // SAFETY: the command buffer is being recorded.
-        unsafe { self.device.raw().end_command_buffer(commands) }
-            .map_err(GpuError::vulkan("record"))?;
+        unsafe { self.device.raw().end_command_buffer(commands) }.map_err(GpuError::vulkan("record"))?;
         Ok(commands)
     }
 
@@ -153,16 +143,10 @@ impl Submission {
         let mut ticks = vec![0u64; 2 * self.passes as usize];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         // SAFETY: the pool has as many queries, all written by the work that has ended.
-        let got = unsafe {
-            self.device
-                .raw()
-                .get_query_pool_results(pool, 0, &mut ticks, flags)
-        };
+        let got = unsafe { self.device.raw().get_query_pool_results(pool, 0, &mut ticks, flags) };
         got.map_err(GpuError::vulkan("read timestamps"))?;
         let period_ns = f64::from(self.device.info().limits.timestamp_period_ns);
-        let time = |pair: &[u64]| {
-            Duration::from_nanos((pair[1].saturating_sub(pair[0]) as f64 * period_ns) as u64)
-        };
+        let time = |pair: &[u64]| Duration::from_nanos((pair[1].saturating_sub(pair[0]) as f64 * period_ns) as u64);
         Ok(ticks.chunks_exact(2).map(time).collect())
     }
 }

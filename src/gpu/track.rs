@@ -59,10 +59,7 @@ impl Tracker {
         if tracked.last == Some((self.command, usage)) {
             return Ok(());
         }
-        if tracked
-            .last
-            .is_some_and(|(command, _)| command == self.command)
-        {
+        if tracked.last.is_some_and(|(command, _)| command == self.command) {
             return Err(GpuError::usage(
                 image.label(),
                 "one command both reads and draws into the image",
@@ -84,10 +81,7 @@ impl Tracker {
     /// Has anything been written into `image`, this recording's commands so far included?
     pub(super) fn is_undefined(&self, image: &Arc<Image>) -> bool {
         let tracked = self.images.get(&address(image));
-        tracked.map_or_else(
-            || image.state().is_undefined(),
-            |tracked| tracked.state.is_undefined(),
-        )
+        tracked.map_or_else(|| image.state().is_undefined(), |tracked| tracked.state.is_undefined())
     }
 
     /// Notes that the command at hand uses `buffer`.

@@ -27,10 +27,7 @@ pub(super) fn track(command: &Command, tracker: &mut Tracker) -> Result<(), GpuE
 fn track_pass(pass: &RenderPass, tracker: &mut Tracker) -> Result<(), GpuError> {
     for Target { image, load } in &pass.targets {
         if *load == Load::Keep && tracker.is_undefined(image) {
-            return Err(GpuError::usage(
-                image.label(),
-                "a pass keeps what was never drawn",
-            ));
+            return Err(GpuError::usage(image.label(), "a pass keeps what was never drawn"));
         }
         tracker.image(image, Use::DrawInto)?;
     }

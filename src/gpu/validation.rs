@@ -27,17 +27,13 @@ pub(super) fn require_layer(entry: &Entry) -> Result<(), GpuError> {
     // SAFETY: the loader is loaded; the call has no other precondition.
     let layers = unsafe { entry.enumerate_instance_layer_properties() };
     let layers = layers.map_err(GpuError::vulkan("list the layers"))?;
-    let found = layers
-        .iter()
-        .any(|layer| layer.layer_name_as_c_str() == Ok(LAYER));
+    let found = layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(LAYER));
     found.then_some(()).ok_or(GpuError::NoValidationLayer)
 }
 
 /// How warnings and errors reach `messages`, which must outlive every messenger made with this.
 pub(super) fn messenger_info(messages: &Messages) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
-    use vk::{
-        DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Kind,
-    };
+    use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Kind};
     vk::DebugUtilsMessengerCreateInfoEXT::default()
         .message_severity(Severity::WARNING | Severity::ERROR)
         .message_type(Kind::VALIDATION | Kind::PERFORMANCE)
@@ -56,14 +52,9 @@ unsafe extern "system" fn collect(
     user: *mut c_void,
 ) -> vk::Bool32 {
     // SAFETY: Vulkan passes valid callback data, whose message is null or a C string.
-    let text = unsafe { data.as_ref() }
-        .and_then(|data| (!data.p_message.is_null()).then_some(data.p_message));
+    let text = unsafe { data.as_ref() }.and_then(|data| (!data.p_message.is_null()).then_some(data.p_message));
     // SAFETY: as above.
-    let text = text.map(|text| {
-        unsafe { CStr::from_ptr(text) }
-            .to_string_lossy()
-            .into_owned()
-    });
+    let text = text.map(|text| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned());
     // SAFETY: `user` is the pointer given in `messenger_info`, to a mutex that outlives the messenger.
     let messages = unsafe { user.cast::<Mutex<Vec<String>>>().as_ref() };
     if let (Some(messages), Some(text)) = (messages, text) {
@@ -83,15 +74,10 @@ pub(super) struct Messenger {
 
 impl Messenger {
     /// Starts to collect into `messages`, which must live longer than the messenger.
-    pub(super) fn new(
-        entry: &Entry,
-        instance: &ash::Instance,
-        messages: &Messages,
-    ) -> Result<Self, GpuError> {
+    pub(super) fn new(entry: &Entry, instance: &ash::Instance, messages: &Messages) -> Result<Self, GpuError> {
         let functions = debug_utils::Instance::new(entry, instance);
         // SAFETY: the extension was enabled on `instance`; the info's pointers are good (see `messenger_info`).
-        let handle =
-            unsafe { functions.create_debug_utils_messenger(&messenger_info(messages), None) };
+        let handle = unsafe { functions.create_debug_utils_messenger(&messenger_info(messages), None) };
         let handle = handle.map_err(GpuError::vulkan("create the debug messenger"))?;
         Ok(Self { functions, handle })
     }
@@ -100,10 +86,7 @@ impl Messenger {
 impl Drop for Messenger {
     fn drop(&mut self) {
         // SAFETY: made by these functions, destroyed once, before its instance (see `Instance::drop`).
-        unsafe {
-            self.functions
-                .destroy_debug_utils_messenger(self.handle, None)
-        };
+        unsafe { self.functions.destroy_debug_utils_messenger(self.handle, None) };
     }
 }
 
@@ -111,20 +94,12 @@ impl Drop for Messenger {
 mod tests {
     use ash::vk;
 
-    use crate::gpu::{
-        Buffer, BufferRole, Device, DeviceSelector, GpuError, Instance, Requirements, Validation,
-    };
+    use crate::gpu::{Buffer, BufferRole, Device, DeviceSelector, GpuError, Instance, Requirements, Validation};
 
     /// Records two writes of one buffer, with or without a barrier between them, and returns the messages.
-    fn messages_of_two_writes(
-        barrier: Option<vk::MemoryBarrier2>,
-    ) -> Result<Vec<String>, GpuError> {
+    fn messages_of_two_writes(barrier: Option<vk::MemoryBarrier2>) -> Result<Vec<String>, GpuError> {
         let instance = Instance::new(Validation::On)?;
-        let device = Device::open(
-            &instance,
-            &DeviceSelector::Default,
-            &Requirements::default(),
-        )?;
+        let device = Device::open(&instance, &DeviceSelector::Default, &Requirements::default())?;
         let buffer = Buffer::new(&device, "written twice", BufferRole::Device, 64)?;
         let (raw, failed) = (device.raw(), GpuError::vulkan("record"));
         let pool = vk::CommandPoolCreateInfo::default().queue_family_index(device.family());
@@ -156,9 +131,7 @@ mod tests {
     fn a_missing_barrier_is_noticed() {
         let messages = messages_of_two_writes(None).expect("a device: run `make setup`");
         assert!(
-            messages
-                .iter()
-                .any(|text| text.contains("SYNC-HAZARD-WRITE")),
+            messages.iter().any(|text| text.contains("SYNC-HAZARD-WRITE")),
             "{messages:?}"
         );
         assert!(
@@ -169,10 +142,7 @@ mod tests {
 
     #[test]
     fn a_barrier_silences_it() {
-        let (stage, access) = (
-            vk::PipelineStageFlags2::ALL_TRANSFER,
-            vk::AccessFlags2::TRANSFER_WRITE,
-        );
+        let (stage, access) = (vk::PipelineStageFlags2::ALL_TRANSFER, vk::AccessFlags2::TRANSFER_WRITE);
         let barrier = vk::MemoryBarrier2::default()
             .src_stage_mask(stage)
             .src_access_mask(access);

@@ -119,12 +119,7 @@ pub fn outside(actual: &Frame, low: &Frame, high: &Frame) -> Result<Option<Outsi
 ///
 /// # Errors
 /// [`CompareError`]: sizes that differ, or channels out of bounds.
-pub fn require_within(
-    actual: &Frame,
-    low: &Frame,
-    high: &Frame,
-    picture: &Path,
-) -> Result<(), CompareError> {
+pub fn require_within(actual: &Frame, low: &Frame, high: &Frame, picture: &Path) -> Result<(), CompareError> {
     let Some(outside) = outside(actual, low, high)? else {
         return Ok(());
     };
@@ -157,8 +152,7 @@ pub fn panels(expected: &Frame, actual: &Frame) -> Result<Frame, CompareError> {
             pixels.extend_from_slice(&third.pixels()[y * width..(y + 1) * width]);
         }
     }
-    Frame::from_pixels(3 * expected.width(), expected.height(), pixels)
-        .map_err(|_| size_error(expected, actual))
+    Frame::from_pixels(3 * expected.width(), expected.height(), pixels).map_err(|_| size_error(expected, actual))
 }
 
 fn difference(expected: &Frame, actual: &Frame) -> Result<Frame, CompareError> {
@@ -171,9 +165,7 @@ fn difference(expected: &Frame, actual: &Frame) -> Result<Frame, CompareError> {
 }
 
 fn middle(low: &Frame, high: &Frame) -> Frame {
-    joined(low, high, |l, h| {
-        [0, 1, 2, 3].map(|c| f32::midpoint(l[c], h[c]))
-    })
+    joined(low, high, |l, h| [0, 1, 2, 3].map(|c| f32::midpoint(l[c], h[c])))
 }
 
 /// Two frames of the same size made one, pixel by pixel.
@@ -187,11 +179,7 @@ fn joined(left: &Frame, right: &Frame, pixel: impl Fn(Rgba, Rgba) -> Rgba) -> Fr
 
 fn require_same_size(left: &Frame, right: &Frame) -> Result<(), CompareError> {
     let same = left.width() == right.width() && left.height() == right.height();
-    if same {
-        Ok(())
-    } else {
-        Err(size_error(left, right))
-    }
+    if same { Ok(()) } else { Err(size_error(left, right)) }
 }
 
 fn size_error(left: &Frame, right: &Frame) -> CompareError {
@@ -216,11 +204,7 @@ fn excess(value: f32, low: f32, high: f32) -> f32 {
 }
 
 fn finite_or_infinite(difference: f32) -> f32 {
-    if difference.is_nan() {
-        f32::INFINITY
-    } else {
-        difference
-    }
+    if difference.is_nan() { f32::INFINITY } else { difference }
 }
 
 #[cfg(test)]
@@ -271,11 +255,7 @@ mod tests {
         let found = outside(&wrong, &slope(), &slope()).expect("same size");
         let expected = Outside {
             channels: 2,
-            worst: Place {
-                x: 3,
-                y: 2,
-                channel: 1,
-            },
+            worst: Place { x: 3, y: 2, channel: 1 },
             excess: 0.25,
             value: 0.75,
             low: 0.5,
@@ -291,11 +271,7 @@ mod tests {
         assert_eq!(outside(&above, &frame, &above).expect("same size"), None);
         assert_eq!(outside(&frame, &frame, &above).expect("same size"), None);
         let beyond = above.map(|p| p.map(f32::next_up));
-        assert!(
-            outside(&beyond, &frame, &above)
-                .expect("same size")
-                .is_some()
-        );
+        assert!(outside(&beyond, &frame, &above).expect("same size").is_some());
     }
 
     #[test]
@@ -303,18 +279,11 @@ mod tests {
         let mut broken = slope();
         broken.pixels_mut()[0][3] = f32::NAN;
         let (good, bad) = (slope(), broken);
-        for [actual, low, high] in [
-            [&bad, &good, &good],
-            [&good, &bad, &good],
-            [&good, &good, &bad],
-        ] {
+        for [actual, low, high] in [[&bad, &good, &good], [&good, &bad, &good], [&good, &good, &bad]] {
             let found = outside(actual, low, high).expect("same size");
             assert!(found.is_some_and(|o| o.excess == f32::INFINITY && o.channels == 1));
         }
-        assert_eq!(
-            max_difference(&good, &bad).expect("same size"),
-            f32::INFINITY
-        );
+        assert_eq!(max_difference(&good, &bad).expect("same size"), f32::INFINITY);
     }
 
     #[test]
@@ -344,8 +313,7 @@ mod tests {
         let frame = slope();
         require_within(&frame, &frame, &frame, &picture).expect("within");
         assert!(!picture.exists());
-        let error =
-            require_within(&shifted(&frame), &frame, &frame, &picture).expect_err("a shift");
+        let error = require_within(&shifted(&frame), &frame, &frame, &picture).expect_err("a shift");
         assert!(error.to_string().contains("shift.png"), "{error}");
         assert!(picture.exists());
     }

@@ -82,15 +82,11 @@ impl FileFormat {
         Self::ALL
             .into_iter()
             .find(|format| suffix.eq_ignore_ascii_case(format.suffix()))
-            .ok_or_else(|| EncodeError::UnknownSuffix {
-                path: path.to_owned(),
-            })
+            .ok_or_else(|| EncodeError::UnknownSuffix { path: path.to_owned() })
     }
 
     fn suffixes() -> String {
-        Self::ALL
-            .map(|format| format!(".{}", format.suffix()))
-            .join(", ")
+        Self::ALL.map(|format| format!(".{}", format.suffix())).join(", ")
     }
 }
 
@@ -130,11 +126,7 @@ fn require_pixels(frame: &Frame) -> Result<(), EncodeError> {
     Ok(())
 }
 
-fn write_png(
-    frame: &Frame,
-    notes: &[(&str, &str)],
-    out: impl Write,
-) -> Result<(), png::EncodingError> {
+fn write_png(frame: &Frame, notes: &[(&str, &str)], out: impl Write) -> Result<(), png::EncodingError> {
     let mut encoder = png::Encoder::new(out, frame.width(), frame.height());
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
@@ -192,9 +184,7 @@ mod tests {
     #[test]
     fn a_png_carries_its_notes() {
         let bytes = encode_png(&frame(), &[("Scene", "tête.kdl")]).expect("encoded");
-        let reader = png::Decoder::new(Cursor::new(bytes))
-            .read_info()
-            .expect("a PNG");
+        let reader = png::Decoder::new(Cursor::new(bytes)).read_info().expect("a PNG");
         let notes = &reader.info().utf8_text;
         assert_eq!(notes[0].keyword, "Scene");
         assert_eq!(notes[0].get_text().expect("text"), "tête.kdl");
@@ -202,8 +192,7 @@ mod tests {
 
     #[test]
     fn an_exr_keeps_every_bit() {
-        let wild = Frame::from_pixels(2, 1, vec![[1e-30, 7.5, -0.1, 0.3], [0.1, 0.2, 0.3, 1.0]])
-            .expect("two pixels");
+        let wild = Frame::from_pixels(2, 1, vec![[1e-30, 7.5, -0.1, 0.3], [0.1, 0.2, 0.3, 1.0]]).expect("two pixels");
         let read = ::image::load_from_memory(&encode_exr(&wild).expect("encoded"));
         let read = read.expect("an EXR").into_rgba32f().into_raw();
         assert_eq!(read, bytemuck::cast_slice::<_, f32>(wild.pixels()));
@@ -224,14 +213,8 @@ mod tests {
 
     #[test]
     fn the_suffix_chooses_in_either_case() {
-        assert_eq!(
-            FileFormat::of(Path::new("a.b/c.PNG")).ok(),
-            Some(FileFormat::Png)
-        );
-        assert_eq!(
-            FileFormat::of(Path::new("c.exr")).ok(),
-            Some(FileFormat::Exr)
-        );
+        assert_eq!(FileFormat::of(Path::new("a.b/c.PNG")).ok(), Some(FileFormat::Png));
+        assert_eq!(FileFormat::of(Path::new("c.exr")).ok(), Some(FileFormat::Exr));
     }
 
     #[test]

@@ -51,11 +51,7 @@ impl Frame {
                 pixels: pixels.len(),
             });
         }
-        Ok(Self {
-            width,
-            height,
-            pixels,
-        })
+        Ok(Self { width, height, pixels })
     }
 
     /// Columns.
@@ -110,10 +106,7 @@ impl Frame {
     /// Straight-alpha bytes, RGBA, top row first: halves are rounded up, what is out of range is clamped, NaN is 0, and a
     /// pixel without alpha is transparent black.
     pub fn to_straight_rgba8(&self) -> Vec<u8> {
-        self.pixels
-            .iter()
-            .flat_map(|&p| straight_rgba8(p))
-            .collect()
+        self.pixels.iter().flat_map(|&p| straight_rgba8(p)).collect()
     }
 }
 
@@ -163,10 +156,7 @@ mod tests {
 
     #[test]
     fn bytes_are_straight_and_rounded_half_up() {
-        assert_eq!(
-            one([0.25, 0.5, 0.0, 0.5]).to_straight_rgba8(),
-            [128, 255, 0, 128]
-        );
+        assert_eq!(one([0.25, 0.5, 0.0, 0.5]).to_straight_rgba8(), [128, 255, 0, 128]);
         // 0.5 · 255 is 127.5; the next smaller number falls to the other side.
         assert_eq!(byte(0.5), 128);
         assert_eq!(byte(0.5_f32.next_down()), 127);

@@ -45,11 +45,7 @@ pub fn snapped(m: &DAffine3) -> DAffine3 {
         DVec3::select((v - nearest).abs().cmplt(DVec3::splat(1e-9)), nearest, v)
     };
     DAffine3 {
-        matrix3: DMat3::from_cols(
-            snap(m.matrix3.x_axis),
-            snap(m.matrix3.y_axis),
-            snap(m.matrix3.z_axis),
-        ),
+        matrix3: DMat3::from_cols(snap(m.matrix3.x_axis), snap(m.matrix3.y_axis), snap(m.matrix3.z_axis)),
         translation: snap(m.translation),
     }
 }

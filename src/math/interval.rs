@@ -97,10 +97,7 @@ impl Interval {
         if corners.iter().any(|c| c.is_nan()) {
             return Self::ALL;
         }
-        corners
-            .into_iter()
-            .map(Self::point)
-            .fold(Self::EMPTY, Self::hull)
+        corners.into_iter().map(Self::point).fold(Self::EMPTY, Self::hull)
     }
 
     /// Widened outwards by `ulps` units of rounding of its largest magnitude, so that it also holds what a short chain of

@@ -25,10 +25,7 @@ impl Model {
 
 fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
     match node {
-        Node::Volume(leaf) => leaf
-            .bricks
-            .index_bounds()
-            .transformed(leaf.bricks.world_from_index()),
+        Node::Volume(leaf) => leaf.bricks.index_bounds().transformed(leaf.bricks.world_from_index()),
         Node::Primitive { shape, .. } => shape.bounds(),
         Node::Transform {
             child,
@@ -51,9 +48,7 @@ impl Shape {
     /// The box of the shape in its own frame.
     pub fn bounds(&self) -> Aabb {
         match self {
-            Self::Sphere { center, radius } => {
-                Aabb::new(*center, *center).expand(DVec3::splat(*radius))
-            }
+            Self::Sphere { center, radius } => Aabb::new(*center, *center).expand(DVec3::splat(*radius)),
             Self::Box(bounds) => *bounds,
             Self::HalfSpace(plane) => clip(&Aabb::ALL, plane),
         }
@@ -130,10 +125,7 @@ mod tests {
         let bounds = Aabb::new(DVec3::ZERO, DVec3::ONE);
         let plane = Plane::through(DVec3::splat(0.25), DVec3::ONE).unwrap();
         let clipped = clip(&bounds, &plane);
-        assert!(
-            (clipped.max - DVec3::splat(0.75)).length() < 1e-9,
-            "{clipped:?}"
-        );
+        assert!((clipped.max - DVec3::splat(0.75)).length() < 1e-9, "{clipped:?}");
         let axis = Plane::through(DVec3::X * 0.5, -DVec3::X).unwrap();
         assert_eq!(clip(&Aabb::ALL, &axis).min.x, 0.5);
     }

@@ -35,11 +35,7 @@ impl ValueMap {
                     .iter()
                     .filter(|p| range.contains(p.0))
                     .fold(ends, |image, p| image.hull(Interval::point(p.1)));
-                if image.is_point() {
-                    image
-                } else {
-                    image.widen_ulps(4.0)
-                }
+                if image.is_point() { image } else { image.widen_ulps(4.0) }
             }
         }
     }
@@ -197,8 +193,7 @@ impl Operator {
             }
         };
         // Soft regions mix these values: three products, two sums and a quotient, each rounded.
-        let soft =
-            |r: &SampleRange| r.coverage.hi < 1.0 || (r.coverage.lo > 0.0 && r.coverage.lo < 1.0);
+        let soft = |r: &SampleRange| r.coverage.hi < 1.0 || (r.coverage.lo > 0.0 && r.coverage.lo < 1.0);
         let crisp = |r: &SampleRange| r.coverage.is_point() && !soft(r);
         if hull.is_point() || (crisp(first) && crisp(second)) {
             hull
@@ -211,11 +206,7 @@ impl Operator {
 /// The values that each operand can show where the other is not full.
 fn possible(first: &SampleRange, second: &SampleRange) -> (Interval, Interval) {
     let alone = |a: &SampleRange, b: &SampleRange| {
-        if b.coverage.lo >= 1.0 {
-            Interval::EMPTY
-        } else {
-            a.value
-        }
+        if b.coverage.lo >= 1.0 { Interval::EMPTY } else { a.value }
     };
     (alone(first, second), alone(second, first))
 }

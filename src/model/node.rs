@@ -196,9 +196,9 @@ impl Node {
     pub fn children(&self) -> impl Iterator<Item = NodeId> {
         let (first, second) = match self {
             Self::Volume(_) | Self::Primitive { .. } => (None, None),
-            Self::Transform { child, .. }
-            | Self::Transfer { child, .. }
-            | Self::Cut { child, .. } => (Some(*child), None),
+            Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
+                (Some(*child), None)
+            }
             Self::Combine(c) => (Some(c.first), Some(c.second)),
         };
         first.into_iter().chain(second)
@@ -209,9 +209,9 @@ impl Node {
         let mut node = self.clone();
         match &mut node {
             Self::Volume(_) | Self::Primitive { .. } => {}
-            Self::Transform { child, .. }
-            | Self::Transfer { child, .. }
-            | Self::Cut { child, .. } => *child = new(*child),
+            Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
+                *child = new(*child)
+            }
             Self::Combine(c) => (c.first, c.second) = (new(c.first), new(c.second)),
         }
         node
@@ -288,9 +288,7 @@ impl Model {
         wanted[root.index()] = true;
         for id in (0..wanted.len()).rev() {
             if wanted[id] {
-                self.nodes[id]
-                    .children()
-                    .for_each(|child| wanted[child.index()] = true);
+                self.nodes[id].children().for_each(|child| wanted[child.index()] = true);
             }
         }
         let mut part = Self::default();

@@ -297,20 +297,14 @@ impl Leaf {
                 Source::Volume(_) => true,
                 Source::Primitive { shape, value } => shape.sample(local, *value).coverage > 0.0,
             };
-        if inside {
-            Overlap::Inside
-        } else {
-            Overlap::Outside
-        }
+        if inside { Overlap::Inside } else { Overlap::Outside }
     }
 
     /// What the leaf can be at points of `local`, a box of its own frame, that lie inside it.
     fn range(&self, local: &Aabb) -> SampleRange {
         match &self.source {
             Source::Volume(leaf) => {
-                let value = leaf
-                    .bricks
-                    .range_index(&local.intersect(&self.local_bounds));
+                let value = leaf.bricks.range_index(&local.intersect(&self.local_bounds));
                 let admitted = value.intersect(leaf.window);
                 if admitted.is_empty() {
                     return SampleRange::EMPTY;

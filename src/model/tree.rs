@@ -164,11 +164,7 @@ impl Shape {
             Self::Box(bounds) => bounds.contains(p),
             Self::HalfSpace(plane) => plane.distance(p) <= 0.0,
         };
-        if inside {
-            Sample::solid(value)
-        } else {
-            Sample::EMPTY
-        }
+        if inside { Sample::solid(value) } else { Sample::EMPTY }
     }
 }
 
@@ -229,9 +225,7 @@ impl Tree {
                 self.steps.push(Step::Cut(self.cuts.len() as u32));
                 self.cuts.push(FramePlane::new(plane, node_from_frame));
             }
-            Node::Combine(Combine {
-                op, rule, family, ..
-            }) => {
+            Node::Combine(Combine { op, rule, family, .. }) => {
                 self.steps.push(Step::Combine(self.operators.len() as u32));
                 self.operators.push(Operator {
                     op: *op,
@@ -346,9 +340,9 @@ impl ValueMap {
 fn written_out(model: &Model) -> usize {
     let mut sizes: Vec<usize> = Vec::with_capacity(model.nodes().len());
     for node in model.nodes() {
-        let size = node.children().fold(1usize, |sum, child| {
-            sum.saturating_add(sizes[child.index()])
-        });
+        let size = node
+            .children()
+            .fold(1usize, |sum, child| sum.saturating_add(sizes[child.index()]));
         sizes.push(size);
     }
     sizes.last().copied().unwrap_or(0)
@@ -374,9 +368,7 @@ impl Visit {
     fn expand(self, model: &Model, pending: &mut Vec<Self>) {
         let node = model.node(self.id);
         let child_from_frame = match node {
-            Node::Transform {
-                parent_from_child, ..
-            } => parent_from_child.inverse() * self.node_from_frame,
+            Node::Transform { parent_from_child, .. } => parent_from_child.inverse() * self.node_from_frame,
             _ => self.node_from_frame,
         };
         pending.push(Self {

@@ -175,10 +175,7 @@ mod tests {
     use super::*;
 
     fn patient() -> Aabb {
-        Aabb::new(
-            DVec3::new(-80.0, -100.0, -90.0),
-            DVec3::new(80.0, 100.0, 90.0),
-        )
+        Aabb::new(DVec3::new(-80.0, -100.0, -90.0), DVec3::new(80.0, 100.0, 90.0))
     }
 
     #[test]
@@ -186,10 +183,7 @@ mod tests {
         let camera = View::default().camera(&patient(), [100, 100]);
         let place = |p| camera.project(camera.eye_from_world.transform_point3(p));
         let middle = place(DVec3::ZERO);
-        assert!(
-            place(DVec3::X * 50.0).x > middle.x,
-            "patient's left is on the right"
-        );
+        assert!(place(DVec3::X * 50.0).x > middle.x, "patient's left is on the right");
         assert!(place(DVec3::Z * 50.0).y < middle.y, "superior is up");
         let depth = |p| camera.eye_from_world.transform_point3(p).z;
         assert!(depth(-DVec3::Y) < depth(DVec3::Y), "the face is nearer");
@@ -197,10 +191,7 @@ mod tests {
 
     #[test]
     fn a_pixel_and_its_ray_agree() {
-        for projection in [
-            Projection::Orthographic,
-            Projection::Perspective { fov_y_deg: 40.0 },
-        ] {
+        for projection in [Projection::Orthographic, Projection::Perspective { fov_y_deg: 40.0 }] {
             let view = View {
                 azimuth_deg: 33.0,
                 elevation_deg: -20.0,

@@ -17,9 +17,7 @@ mod tests {
     #[test]
     fn six_hexadecimal_digits_make_a_colour() {
         assert_eq!(rgb_from_hex("#ff0033"), Some([1.0, 0.0, 0.2]));
-        for bad in [
-            "ff0033", "#ff003", "#ff00333", "#gg0033", "#+f0033", "#αβγ", "",
-        ] {
+        for bad in ["ff0033", "#ff003", "#ff00333", "#gg0033", "#+f0033", "#αβγ", ""] {
             assert_eq!(rgb_from_hex(bad), None, "{bad}");
         }
     }

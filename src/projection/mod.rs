@@ -27,4 +27,4 @@ pub use shade::{EMPTY_BELOW, SoftNormals};
 pub use slices::{Slice, SliceBox, SlicePlan};
 pub use template::{MAX_SEGMENTS, MAX_VERTICES, MovingVertex, Segment, Template};
 pub use transfer::{ControlPoint, TransferError, TransferFunction, TransferTable};
-pub use visibility::{Visibility, VisibleValues};
+pub use visibility::{DrawCost, Visibility, VisibleValues};

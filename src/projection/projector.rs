@@ -25,9 +25,7 @@ pub enum ProjectError {
     #[error(transparent)]
     Device(Box<dyn std::error::Error + Send + Sync>),
     /// The frame has no pixels, or more than can be drawn.
-    #[error(
-        "a frame of {width} x {height} pixels cannot be drawn; each side must be in 1..={limit}"
-    )]
+    #[error("a frame of {width} x {height} pixels cannot be drawn; each side must be in 1..={limit}")]
     FrameSize {
         /// Columns.
         width: u32,
@@ -50,11 +48,7 @@ pub trait Projector {
 impl FrameSpec<'_> {
     /// The sampling planes.
     pub fn planes(&self) -> Planes {
-        Planes::new(
-            &self.target.lattice,
-            self.camera,
-            self.settings.samples_per_voxel,
-        )
+        Planes::new(&self.target.lattice, self.camera, self.settings.samples_per_voxel)
     }
 
     /// The transfer function over the target's values for one step of depth.

@@ -8,9 +8,7 @@ use rayon::prelude::*;
 
 use super::composite::{self, value_source};
 use super::transfer::lengthened;
-use super::{
-    EMPTY_BELOW, FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable,
-};
+use super::{EMPTY_BELOW, FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable};
 use crate::image::Frame;
 use crate::math::{Aabb, affine};
 use crate::target::VoxelTarget;
@@ -32,11 +30,7 @@ pub fn render(voxels: &VoxelTarget, spec: &FrameSpec) -> Frame {
 }
 
 /// Like [`render`], with only the samples at the points that `shown` (in lattice coordinates) admits.
-pub fn render_where(
-    voxels: &VoxelTarget,
-    spec: &FrameSpec,
-    shown: &(dyn Fn(DVec3) -> bool + Sync),
-) -> Frame {
+pub fn render_where(voxels: &VoxelTarget, spec: &FrameSpec, shown: &(dyn Fn(DVec3) -> bool + Sync)) -> Frame {
     let marcher = Marcher::new(voxels, spec, shown);
     let [width, height] = spec.camera.size;
     let mut frame = Frame::transparent(width, height);
@@ -49,12 +43,7 @@ pub fn render_where(
                 *pixel = marcher.pixel(x as u32, y as u32).map(|c| c as f32);
             }
         });
-    composite::resolve(
-        spec.settings.mode,
-        &frame,
-        spec.target.value_range,
-        spec.transfer,
-    )
+    composite::resolve(spec.settings.mode, &frame, spec.target.value_range, spec.transfer)
 }
 
 /// A sample of the target: fraction of the value range times coverage, coverage, and soft normal in the eye frame.
@@ -77,11 +66,7 @@ struct Marcher<'a> {
 }
 
 impl<'a> Marcher<'a> {
-    fn new(
-        voxels: &'a VoxelTarget<'a>,
-        spec: &'a FrameSpec<'a>,
-        shown: &'a (dyn Fn(DVec3) -> bool + Sync),
-    ) -> Self {
+    fn new(voxels: &'a VoxelTarget<'a>, spec: &'a FrameSpec<'a>, shown: &'a (dyn Fn(DVec3) -> bool + Sync)) -> Self {
         let lattice = &spec.target.lattice;
         let eye_from_lattice = super::eye_from_lattice(lattice, spec.camera);
         Self {
@@ -93,9 +78,7 @@ impl<'a> Marcher<'a> {
             eye_bounds: lattice.bounds().transformed(&eye_from_lattice),
             planes: spec.planes(),
             table: spec.table(),
-            normals: spec
-                .shading()
-                .map(|s| SoftNormals::new(lattice, s.soft_gradient)),
+            normals: spec.shading().map(|s| SoftNormals::new(lattice, s.soft_gradient)),
         }
     }
 
@@ -133,11 +116,11 @@ impl<'a> Marcher<'a> {
             .spec
             .shading()
             .map_or((1.0, 0.0), |shading| shading.response(s.normal));
-        let cue = self.spec.settings.depth_cue.factor(
-            depth,
-            self.eye_bounds.min.z,
-            self.eye_bounds.max.z,
-        );
+        let cue = self
+            .spec
+            .settings
+            .depth_cue
+            .factor(depth, self.eye_bounds.min.z, self.eye_bounds.max.z);
         let [r, g, b] = [r, g, b].map(|c| cue * (factor * c + highlight * a));
         [r, g, b, a]
     }

@@ -20,6 +20,18 @@ pub enum Mode {
     XRay,
 }
 
+impl Mode {
+    /// All modes.
+    pub const ALL: [Self; 6] = [
+        Self::Composite,
+        Self::Mip,
+        Self::MinIp,
+        Self::Average,
+        Self::Additive,
+        Self::XRay,
+    ];
+}
+
 /// How a target is drawn, the camera apart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {

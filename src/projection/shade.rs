@@ -56,9 +56,7 @@ impl Shading {
             let shine = (0..material.shininess_log2).fold(m.dot(half_way).abs(), |s, _| s * s);
             specular += intensity * shine;
         }
-        let factor = (1.0 - length)
-            + f64::from(material.ambient) * length
-            + f64::from(material.diffuse) * diffuse;
+        let factor = (1.0 - length) + f64::from(material.ambient) * length + f64::from(material.diffuse) * diffuse;
         (factor, f64::from(material.specular) * specular)
     }
 }

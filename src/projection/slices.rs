@@ -81,9 +81,7 @@ impl SlicePlan {
         let b = &self.boxes[slice.slice_box as usize];
         let bounds = b.cube.bounds(b.extent);
         let template = &self.templates[b.template as usize];
-        let vertices = template
-            .segment(slice.t_mm)
-            .map_or(&[][..], |s| &s.vertices);
+        let vertices = template.segment(slice.t_mm).map_or(&[][..], |s| &s.vertices);
         vertices
             .iter()
             .map(|v| bounds.min + bounds.size() * v.at(slice.t_mm))

@@ -78,10 +78,7 @@ impl Template {
 
     /// The segment that a plane `t` millimetres behind the nearest corner cuts.
     pub fn segment(&self, t: f64) -> Option<&Segment> {
-        self.segments
-            .iter()
-            .find(|s| t < s.end_mm)
-            .or(self.segments.last())
+        self.segments.iter().find(|s| t < s.end_mm).or(self.segments.last())
     }
 }
 
@@ -177,10 +174,7 @@ mod tests {
 
     #[test]
     fn a_cube_seen_along_its_diagonal_shows_a_hexagon() {
-        let turned = DMat3::from_quat(glam::DQuat::from_rotation_arc(
-            DVec3::ONE.normalize(),
-            DVec3::Z,
-        ));
+        let turned = DMat3::from_quat(glam::DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::Z));
         let template = Template::new(&turned);
         let middle = template.segment(0.5 * template.depth_mm()).unwrap();
         assert_eq!(middle.vertices.len(), 6);

@@ -34,9 +34,7 @@ pub enum TransferError {
     #[error("a transfer function needs at least one point")]
     Empty,
     /// Values fall.
-    #[error(
-        "point {index}: value {value} lies below its predecessor's; list points by rising value"
-    )]
+    #[error("point {index}: value {value} lies below its predecessor's; list points by rising value")]
     Unordered {
         /// Which point, from 0.
         index: usize,

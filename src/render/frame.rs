@@ -5,8 +5,8 @@ use glam::{DMat3, DVec3};
 use super::pages::{PagedTarget, texture_map};
 use super::texels::Encoding;
 use crate::interface::{
-    BoxData, FrameData, MAX_SEGMENTS, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE,
-    MODE_MINIP, MODE_MIP, MODE_XRAY, MovingVertexData, TEMPLATE_VERTICES, TemplateData,
+    BoxData, FrameData, MAX_SEGMENTS, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE, MODE_MINIP, MODE_MIP,
+    MODE_XRAY, MovingVertexData, TEMPLATE_VERTICES, TemplateData,
 };
 use crate::projection::{FrameSpec, Lens, Mode, Shading, SlicePlan, Template};
 
@@ -70,12 +70,7 @@ fn lens(spec: &FrameSpec) -> [f32; 4] {
         Lens::Perspective { focal_px, .. } => focal_px,
     };
     let [width, height] = spec.camera.size.map(f64::from);
-    [
-        (2.0 * pixels / width) as f32,
-        (2.0 * pixels / height) as f32,
-        0.0,
-        0.0,
-    ]
+    [(2.0 * pixels / width) as f32, (2.0 * pixels / height) as f32, 0.0, 0.0]
 }
 
 /// Normals are stored in the world frame, so lights go there once instead of every normal to the eye.

@@ -1,8 +1,10 @@
 //! From a plan to a frame on a device: the flow's last step, carried out by `gpu`.
 
 mod frame;
+mod job;
 mod pages;
 mod pieces;
+mod pipelines;
 mod slices;
 mod texels;
 

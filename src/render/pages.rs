@@ -15,8 +15,7 @@ use glam::DVec3;
 use super::pieces::{self, Piece, PieceTexels};
 use super::texels::Encoding;
 use crate::gpu::{
-    Buffer, BufferRole, Command, Device, Extent, Format, GpuError, Image, ImageCopy, ImageRole,
-    Recording, Region,
+    Buffer, BufferRole, Command, Device, Extent, Format, GpuError, Image, ImageCopy, ImageRole, Recording, Region,
 };
 use crate::projection::SoftNormals;
 use crate::target::{Block, CellRanges, Layout, Target};
@@ -109,12 +108,7 @@ impl PagedTarget {
             for (piece, texels) in batch.iter().zip(&filled) {
                 paged.cells[piece.index].ranges.extend(&texels.cells.ranges);
             }
-            progress(
-                batch
-                    .iter()
-                    .map(|p| p.slab.extent.iter().product::<usize>())
-                    .sum(),
-            );
+            progress(batch.iter().map(|p| p.slab.extent.iter().product::<usize>()).sum());
             rest = later;
         }
         Ok(paged)
@@ -126,12 +120,7 @@ impl PagedTarget {
         self.pages.iter().map(page).sum()
     }
 
-    fn upload(
-        &self,
-        device: &Arc<Device>,
-        batch: &[Piece],
-        filled: &[PieceTexels],
-    ) -> Result<(), GpuError> {
+    fn upload(&self, device: &Arc<Device>, batch: &[Piece], filled: &[PieceTexels]) -> Result<(), GpuError> {
         let mut stage = Stage::default();
         for (piece, texels) in batch.iter().zip(filled) {
             let slot = self.slots[piece.index];
@@ -191,12 +180,7 @@ impl<'a> Stage<'a> {
         if self.bytes == 0 {
             return Ok(());
         }
-        let buffer = Buffer::new(
-            device,
-            "block texels",
-            BufferRole::Upload,
-            self.bytes as u64,
-        )?;
+        let buffer = Buffer::new(device, "block texels", BufferRole::Upload, self.bytes as u64)?;
         buffer.fill(|bytes| {
             for (offset, texels) in &self.parts {
                 bytes[*offset..offset + texels.len()].copy_from_slice(texels);
@@ -280,12 +264,7 @@ fn near_cube(n: usize, limit: [usize; 3]) -> [usize; 3] {
 }
 
 impl PagePlan {
-    fn allocate(
-        &self,
-        device: &Arc<Device>,
-        encoding: Encoding,
-        lit: bool,
-    ) -> Result<Page, GpuError> {
+    fn allocate(&self, device: &Arc<Device>, encoding: Encoding, lit: bool) -> Result<Page, GpuError> {
         let dims = self.dims.map(|n| n as u32);
         let image = |label: &str, format| {
             let [width, height, depth] = dims;
@@ -296,10 +275,7 @@ impl PagePlan {
         Ok(Page {
             mixed: self.mixed,
             dims,
-            values: image(
-                "values of target blocks",
-                value_format(encoding, self.mixed, lit),
-            )?,
+            values: image("values of target blocks", value_format(encoding, self.mixed, lit))?,
             normals: beside
                 .then(|| image("normals of target blocks", NORMAL_FORMAT))
                 .transpose()?,

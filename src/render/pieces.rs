@@ -37,9 +37,7 @@ pub struct PieceTexels {
 /// All pieces of a target's blocks, in order.
 pub fn pieces(target: &Target) -> Vec<Piece> {
     let blocks = target.blocks.iter().enumerate();
-    blocks
-        .flat_map(|(index, block)| cut(index, block))
-        .collect()
+    blocks.flat_map(|(index, block)| cut(index, block)).collect()
 }
 
 fn cut(index: usize, block: &Block) -> Vec<Piece> {
@@ -91,24 +89,14 @@ pub fn stored_dims(block: &Block) -> [usize; 3] {
 }
 
 /// Reconstructs pieces side by side.
-pub fn fill(
-    target: &Target,
-    pieces: &[Piece],
-    encoding: Encoding,
-    normals: Option<&SoftNormals>,
-) -> Vec<PieceTexels> {
+pub fn fill(target: &Target, pieces: &[Piece], encoding: Encoding, normals: Option<&SoftNormals>) -> Vec<PieceTexels> {
     pieces
         .par_iter()
         .map(|piece| fill_one(target, piece, encoding, normals))
         .collect()
 }
 
-fn fill_one(
-    target: &Target,
-    piece: &Piece,
-    encoding: Encoding,
-    normals: Option<&SoftNormals>,
-) -> PieceTexels {
+fn fill_one(target: &Target, piece: &Piece, encoding: Encoding, normals: Option<&SoftNormals>) -> PieceTexels {
     let slab = &piece.slab;
     if slab.layout == Layout::Uniform {
         return uniform(slab, encoding, normals.is_some());
@@ -127,10 +115,7 @@ fn fill_one(
     let normal_rows = NormalRows::new(soft, target.value_range, &target.lattice, slab, &voxels);
     let (values, normals) = if slab.layout == Layout::Mixed {
         let planes = piece.planes.clone();
-        (
-            rows.values(planes.clone()),
-            rows.normals(&normal_rows, planes),
-        )
+        (rows.values(planes.clone()), rows.normals(&normal_rows, planes))
     } else {
         let lit = rows.lit_values(&normal_rows, piece.planes.clone());
         (lit, Vec::new())

@@ -52,9 +52,7 @@ impl Encoding {
     /// Scale and offset from what a shader reads (value and coverage) to fractions of `range`.
     pub fn fraction_of_stored(self, range: Interval) -> [f32; 2] {
         match self {
-            Self::Bytes if range.width() > 0.0 => {
-                [255.0 / range.width(), -range.lo / range.width()]
-            }
+            Self::Bytes if range.width() > 0.0 => [255.0 / range.width(), -range.lo / range.width()],
             Self::Bytes => [0.0, 0.0],
             Self::Fractions(_) => [1.0, 0.0],
         }
@@ -117,9 +115,7 @@ fn makes_bytes(tree: &Tree) -> bool {
             Source::Volume(volume) => {
                 volume.bricks.voxel_type() == VoxelType::U8 && steps_whole(&leaf.local_from_frame)
             }
-            Source::Primitive { value, .. } => {
-                value.fract() == 0.0 && (0.0..=255.0).contains(value)
-            }
+            Source::Primitive { value, .. } => value.fract() == 0.0 && (0.0..=255.0).contains(value),
         })
 }
 
@@ -254,26 +250,12 @@ pub struct NormalRows {
 
 impl NormalRows {
     /// For a block reconstructed with [`Block::REACH`] voxels of apron.
-    pub fn new(
-        soft: &SoftNormals,
-        range: Interval,
-        lattice: &Lattice,
-        block: &Block,
-        voxels: &BlockVoxels,
-    ) -> Self {
-        assert_eq!(
-            voxels.apron,
-            Block::REACH,
-            "normals look one voxel beyond the apron"
-        );
+    pub fn new(soft: &SoftNormals, range: Interval, lattice: &Lattice, block: &Block, voxels: &BlockVoxels) -> Self {
+        assert_eq!(voxels.apron, Block::REACH, "normals look one voxel beyond the apron");
         let [scale, offset] = fraction_scales(range);
         let offset = offset + EMPTY_BELOW;
         let fractions = match &voxels.coverage {
-            None => voxels
-                .premultiplied
-                .iter()
-                .map(|v| scale * v + offset)
-                .collect(),
+            None => voxels.premultiplied.iter().map(|v| scale * v + offset).collect(),
             Some(coverage) => voxels
                 .premultiplied
                 .iter()
@@ -283,8 +265,8 @@ impl NormalRows {
         };
         let inside = std::array::from_fn(|a| {
             let first = Block::APRON.saturating_sub(block.origin[a]);
-            let last = (lattice.dims[a] - 1 + Block::APRON - block.origin[a])
-                .min(block.extent[a] + 2 * Block::APRON - 1);
+            let last =
+                (lattice.dims[a] - 1 + Block::APRON - block.origin[a]).min(block.extent[a] + 2 * Block::APRON - 1);
             first..last + 1
         });
         Self {
@@ -297,10 +279,7 @@ impl NormalRows {
     fn fill_row(&self, rows: &Rows, j: usize, k: usize, out: &mut [Vec3]) {
         let clamp = |n: usize, inside: &Range<usize>| n.clamp(inside.start, inside.end - 1);
         let row = rows.at(clamp(j, &self.inside[1]), clamp(k, &self.inside[2]));
-        let (y, z) = (
-            rows.voxels.dims[0],
-            rows.voxels.dims[0] * rows.voxels.dims[1],
-        );
+        let (y, z) = (rows.voxels.dims[0], rows.voxels.dims[0] * rows.voxels.dims[1]);
         let part = |from: usize| &self.fractions[from..from + row.len()];
         let (x0, x1) = (part(row.start - 1), part(row.start + 1));
         let (y0, y1) = (part(row.start - y), part(row.start + y));

@@ -12,8 +12,7 @@ use super::transfer::{TransferChoice, TransferSpec};
 use crate::math::Interval;
 use crate::projection::presets;
 use crate::projection::{
-    ControlPoint, DepthCue, Light, Material, Mode, Projection, Settings, Shading, TransferFunction,
-    View,
+    ControlPoint, DepthCue, Light, Material, Mode, Projection, Settings, Shading, TransferFunction, View,
 };
 
 type Result<T> = std::result::Result<T, SceneError>;
@@ -81,9 +80,7 @@ impl Draft {
         }
         self.lights.push(Light {
             towards: element.require("towards")?.direction()?,
-            intensity: element
-                .get("intensity")
-                .map_or(Ok(1.0), |v| v.within(0.0, 10.0))? as f32,
+            intensity: element.get("intensity").map_or(Ok(1.0), |v| v.within(0.0, 10.0))? as f32,
         });
         Ok(())
     }
@@ -154,8 +151,7 @@ fn shininess_log2(value: Value) -> Result<u32> {
 }
 
 fn frame_size(value: Value) -> Result<[u32; 2]> {
-    parse_size(value.string()?)
-        .ok_or_else(|| value.bad("a size like \"1024x768\", each side in 1..16384"))
+    parse_size(value.string()?).ok_or_else(|| value.bad("a size like \"1024x768\", each side in 1..16384"))
 }
 
 /// `WIDTHxHEIGHT` in pixels, each in 1..16384.
@@ -176,18 +172,12 @@ fn background(value: Value) -> Result<[f32; 4]> {
 }
 
 fn view(element: &Element) -> Result<View> {
-    let degrees = |key| {
-        element
-            .get(key)
-            .map_or(Ok(0.0), |v| v.within(-3600.0, 3600.0))
-    };
+    let degrees = |key| element.get(key).map_or(Ok(0.0), |v| v.within(-3600.0, 3600.0));
     Ok(View {
         azimuth_deg: degrees("azimuth")?,
         elevation_deg: degrees("elevation")?,
         roll_deg: degrees("roll")?,
-        zoom: element
-            .get("zoom")
-            .map_or(Ok(1.0), |v| v.within(1e-3, 1e4))?,
+        zoom: element.get("zoom").map_or(Ok(1.0), |v| v.within(1e-3, 1e4))?,
         focus: element.get("focus").map(|v| v.vector()).transpose()?,
         projection: projection(element)?,
     })
@@ -195,14 +185,11 @@ fn view(element: &Element) -> Result<View> {
 
 fn projection(element: &Element) -> Result<Projection> {
     let kinds = [("orthographic", false), ("perspective", true)];
-    let perspective = element
-        .get("projection")
-        .map_or(Ok(false), |v| v.one_of(&kinds))?;
+    let perspective = element.get("projection").map_or(Ok(false), |v| v.one_of(&kinds))?;
     match element.get("fov") {
-        Some(_) if !perspective => Err(element.error_of(
-            "fov",
-            Problem::Conflict("`fov` goes with projection=\"perspective\""),
-        )),
+        Some(_) if !perspective => {
+            Err(element.error_of("fov", Problem::Conflict("`fov` goes with projection=\"perspective\"")))
+        }
         _ if !perspective => Ok(Projection::Orthographic),
         Some(fov) => Ok(Projection::Perspective {
             fov_y_deg: fov.within(1.0, 170.0)?,
@@ -217,18 +204,14 @@ fn transfer(element: &Element) -> Result<TransferSpec> {
     let window = display_window(element)?;
     let choice = match (element.get("preset"), points.is_empty()) {
         (Some(_), false) => {
-            let problem = Problem::Conflict(
-                "a transfer function has a preset or points of its own, not both",
-            );
+            let problem = Problem::Conflict("a transfer function has a preset or points of its own, not both");
             return Err(element.error_of("preset", problem));
         }
         (Some(name), true) => TransferChoice::Preset(preset(name)?),
         (None, true) => TransferChoice::Automatic,
         (None, false) => {
             if window.is_some() {
-                let problem = Problem::Conflict(
-                    "`window` and `level` fit a preset; points state their values",
-                );
+                let problem = Problem::Conflict("`window` and `level` fit a preset; points state their values");
                 return Err(element.error_of("window", problem));
             }
             let function = TransferFunction::new(points, unit_mm.unwrap_or(1.0));
@@ -260,10 +243,7 @@ fn display_window(element: &Element) -> Result<Option<Interval>> {
         (None, None) => Ok(None),
         (Some(width), Some(level)) => {
             let (width, level) = (width.positive()? as f32, level.single()?);
-            Ok(Some(Interval::new(
-                level - 0.5 * width,
-                level + 0.5 * width,
-            )))
+            Ok(Some(Interval::new(level - 0.5 * width, level + 0.5 * width)))
         }
         _ => Err(element.error(Problem::Conflict("`window` and `level` go together"))),
     }

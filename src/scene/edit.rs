@@ -31,10 +31,7 @@ pub fn with_property(
     let property = value.map(|value| KdlEntry::new_prop(key, value).to_string());
     let (at, new) = match (node.entry(key), property) {
         (Some(entry), Some(property)) => (bytes(entry.span()), property),
-        (Some(entry), None) => (
-            with_space_before(source.text(), bytes(entry.span())),
-            String::new(),
-        ),
+        (Some(entry), None) => (with_space_before(source.text(), bytes(entry.span())), String::new()),
         (None, Some(property)) => (end_of_entries(node), format!(" {property}")),
         (None, None) => (0..0, String::new()),
     };
@@ -51,16 +48,11 @@ pub(super) fn with_view(source: &Source, view: &View) -> Result<Source, SceneErr
     let document = file::parse(source)?;
     let is_view = |node: &KdlNode| node.name().value() == "view";
     let Some(place) = document.nodes().iter().position(is_view) else {
-        let end_of_line = if source.text().ends_with('\n') {
-            ""
-        } else {
-            "\n"
-        };
+        let end_of_line = if source.text().ends_with('\n') { "" } else { "\n" };
         let text = format!("{}{end_of_line}view\n", source.text());
         return with_view(&Source::new(source.name(), text), view);
     };
-    let unchanged =
-        |key: &str, value: &Option<KdlValue>| document.nodes()[place].get(key) == value.as_ref();
+    let unchanged = |key: &str, value: &Option<KdlValue>| document.nodes()[place].get(key) == value.as_ref();
     let mut edited = source.clone();
     for (key, value) in view_properties(view) {
         if !unchanged(key, &value) {
@@ -77,9 +69,7 @@ fn view_properties(view: &View) -> [(&'static str, Option<KdlValue>); 7] {
         Projection::Orthographic => None,
         Projection::Perspective { fov_y_deg } => Some(fov_y_deg),
     };
-    let focus = view
-        .focus
-        .map(|p| KdlValue::String(format!("{} {} {}", p.x, p.y, p.z)));
+    let focus = view.focus.map(|p| KdlValue::String(format!("{} {} {}", p.x, p.y, p.z)));
     [
         ("azimuth", unless(view.azimuth_deg, 0.0)),
         ("elevation", unless(view.elevation_deg, 0.0)),
@@ -102,10 +92,7 @@ fn node_at<'a>(document: &'a KdlDocument, path: &[usize]) -> Option<&'a KdlNode>
 }
 
 fn end_of_entries(node: &KdlNode) -> Range<usize> {
-    let last = node
-        .entries()
-        .last()
-        .map_or(node.name().span(), KdlEntry::span);
+    let last = node.entries().last().map_or(node.name().span(), KdlEntry::span);
     let end = bytes(last).end;
     end..end
 }

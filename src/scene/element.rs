@@ -43,11 +43,7 @@ impl<'a> Element<'a> {
     fn check_properties(&self) -> Result<()> {
         let named = |e: &'a KdlEntry| e.name().map(|name| (e, name.value()));
         let entries = self.node.entries();
-        for (i, (entry, name)) in entries
-            .iter()
-            .enumerate()
-            .filter_map(|(i, e)| Some((i, named(e)?)))
-        {
+        for (i, (entry, name)) in entries.iter().enumerate().filter_map(|(i, e)| Some((i, named(e)?))) {
             let known = self.rule.properties;
             if !known.contains(&name) {
                 let problem = Problem::UnknownProperty {
@@ -107,13 +103,8 @@ impl<'a> Element<'a> {
     pub fn children(&self) -> impl Iterator<Item = Result<Element<'a>>> + use<'a> {
         let groups = grammar::inside(self.rule.children);
         let source = self.source;
-        let nodes = self
-            .node
-            .children()
-            .map_or(&[][..], |document| document.nodes());
-        nodes
-            .iter()
-            .map(move |node| Element::new(node, groups, source))
+        let nodes = self.node.children().map_or(&[][..], |document| document.nodes());
+        nodes.iter().map(move |node| Element::new(node, groups, source))
     }
 
     /// An error at the node's name.
@@ -127,20 +118,14 @@ impl<'a> Element<'a> {
 
     /// An error at property `key`, or at the node when it has none.
     pub fn error_of(&self, key: &str, problem: Problem) -> SceneError {
-        let span = self
-            .find(key)
-            .map_or_else(|| self.node.name().span(), KdlEntry::span);
+        let span = self.find(key).map_or_else(|| self.node.name().span(), KdlEntry::span);
         SceneError::at(self.source, span, problem)
     }
 
     /// An error at argument `index`.
     pub fn error_of_argument(&self, index: usize, problem: Problem) -> SceneError {
         let entry = self.arguments().nth(index);
-        SceneError::at(
-            self.source,
-            entry.map_or_else(|| self.span(), KdlEntry::span),
-            problem,
-        )
+        SceneError::at(self.source, entry.map_or_else(|| self.span(), KdlEntry::span), problem)
     }
 
     fn span(&self) -> SourceSpan {
@@ -152,10 +137,7 @@ impl<'a> Element<'a> {
     }
 
     fn find(&self, key: &str) -> Option<&'a KdlEntry> {
-        debug_assert!(
-            self.rule.properties.contains(&key),
-            "{key} is not in the grammar"
-        );
+        debug_assert!(self.rule.properties.contains(&key), "{key} is not in the grammar");
         let is_key = |e: &&KdlEntry| e.name().is_some_and(|name| name.value() == key);
         self.node.entries().iter().find(is_key)
     }
@@ -172,21 +154,13 @@ impl<'a> Element<'a> {
     /// Property `key`, which must be there.
     pub fn require(&self, key: &'static str) -> Result<Value<'a>> {
         let node = self.rule.name;
-        let missing = || {
-            self.error(Problem::MissingProperty {
-                node,
-                property: key,
-            })
-        };
+        let missing = || self.error(Problem::MissingProperty { node, property: key });
         self.get(key).ok_or_else(missing)
     }
 
     /// Argument `index`, counted from 0, below the rule's number of arguments.
     pub fn argument(&self, index: usize) -> Value<'a> {
-        let entry = self
-            .arguments()
-            .nth(index)
-            .expect("the number of arguments is checked");
+        let entry = self.arguments().nth(index).expect("the number of arguments is checked");
         Value {
             entry,
             name: self.rule.name,
@@ -273,27 +247,19 @@ impl<'a> Value<'a> {
 
     /// `#true` or `#false`.
     pub fn boolean(self) -> Result<bool> {
-        self.entry
-            .value()
-            .as_bool()
-            .ok_or_else(|| self.bad("#true or #false"))
+        self.entry.value().as_bool().ok_or_else(|| self.bad("#true or #false"))
     }
 
     /// A string.
     pub fn string(self) -> Result<&'a str> {
-        self.entry
-            .value()
-            .as_string()
-            .ok_or_else(|| self.bad("a string"))
+        self.entry.value().as_string().ok_or_else(|| self.bad("a string"))
     }
 
     /// Exactly `N` finite numbers in a string, parted by spaces or commas.
     pub fn numbers<const N: usize>(self) -> Result<[f64; N]> {
         let bad = || self.bad(format!("a string of {N} finite numbers"));
         let text = self.entry.value().as_string().ok_or_else(bad)?;
-        let words = text
-            .split([' ', '\t', '\n', ','])
-            .filter(|word| !word.is_empty());
+        let words = text.split([' ', '\t', '\n', ',']).filter(|word| !word.is_empty());
         let mut numbers = [f64::NAN; N];
         let mut count = 0;
         for word in words {
@@ -332,7 +298,6 @@ impl<'a> Value<'a> {
 
     /// `"#rrggbb"` as display-referred RGB in [0, 1].
     pub fn color(self) -> Result<[f32; 3]> {
-        crate::projection::rgb_from_hex(self.string()?)
-            .ok_or_else(|| self.bad("a colour like \"#f0e0d0\""))
+        crate::projection::rgb_from_hex(self.string()?).ok_or_else(|| self.bad("a colour like \"#f0e0d0\""))
     }
 }

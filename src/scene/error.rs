@@ -185,15 +185,9 @@ impl Problem {
         let meant = |nearest: &Option<&str>| nearest.map(|n| format!("did you mean `{n}`? "));
         match self {
             Self::Syntax { help, .. } => help.clone(),
-            Self::Unreadable { .. } => {
-                Some("paths are relative to the folder of the scene file".into())
-            }
-            Self::TooLong { .. } => {
-                Some("split the scene, or put repeated parts in `define`".into())
-            }
-            Self::TooDeep { .. } => {
-                Some("give one node many children instead of nesting them one by one".into())
-            }
+            Self::Unreadable { .. } => Some("paths are relative to the folder of the scene file".into()),
+            Self::TooLong { .. } => Some("split the scene, or put repeated parts in `define`".into()),
+            Self::TooDeep { .. } => Some("give one node many children instead of nesting them one by one".into()),
             Self::UnknownNode { nearest, known, .. } => Some(format!(
                 "{}known here: {}",
                 meant(nearest).unwrap_or_default(),
@@ -206,9 +200,7 @@ impl Problem {
             )),
             Self::Twice { .. } => Some("keep one of them".into()),
             Self::Arguments { example, .. } => Some(format!("write {example}")),
-            Self::Undefined { .. } => {
-                Some("put `define \"name\" { … }` above the first `use \"name\"`".into())
-            }
+            Self::Undefined { .. } => Some("put `define \"name\" { … }` above the first `use \"name\"`".into()),
             Self::UnknownPreset { nearest, .. } => Some(format!(
                 "{}the presets are listed in docs/SCENE.md",
                 meant(nearest).unwrap_or_default()

@@ -50,8 +50,7 @@ pub(super) fn unreadable(path: &Path, error: &io::Error) -> Problem {
 /// # Errors
 /// If the text is too long, nests too deeply, or is not KDL 2.
 pub(super) fn parse(source: &Source) -> Result<KdlDocument, SceneError> {
-    guard::check(source.text())
-        .map_err(|(at, problem)| SceneError::at(source, (at..at + 1).into(), problem))?;
+    guard::check(source.text()).map_err(|(at, problem)| SceneError::at(source, (at..at + 1).into(), problem))?;
     KdlDocument::parse_v2(source.text()).map_err(|error| syntax_error(source, &error))
 }
 
@@ -75,11 +74,7 @@ fn syntax_error(source: &Source, error: &kdl::KdlError) -> SceneError {
         "true" | "false" | "null" => Some(format!("write #{quoted}, or \"{quoted}\" for a string")),
         _ => first.help.clone(),
     };
-    let span = if quoted.contains('\n') {
-        end..end
-    } else {
-        start..end
-    };
+    let span = if quoted.contains('\n') { end..end } else { start..end };
     SceneError::at(source, span.into(), not_kdl(message, help))
 }
 

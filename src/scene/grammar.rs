@@ -70,15 +70,7 @@ pub(super) const TOP: &[Rule] = &[
     rule(
         "view",
         0,
-        &[
-            "azimuth",
-            "elevation",
-            "roll",
-            "zoom",
-            "projection",
-            "fov",
-            "focus",
-        ],
+        &["azimuth", "elevation", "roll", "zoom", "projection", "fov", "focus"],
         Leaf,
         "view azimuth=30 elevation=20",
     ),
@@ -92,23 +84,11 @@ pub(super) const TOP: &[Rule] = &[
     rule(
         "material",
         0,
-        &[
-            "ambient",
-            "diffuse",
-            "specular",
-            "shininess",
-            "soft-gradient",
-        ],
+        &["ambient", "diffuse", "specular", "shininess", "soft-gradient"],
         Leaf,
         "material ambient=0.2",
     ),
-    rule(
-        "depth-cue",
-        0,
-        &["strength"],
-        Leaf,
-        "depth-cue strength=0.4",
-    ),
+    rule("depth-cue", 0, &["strength"], Leaf, "depth-cue strength=0.4"),
     rule("background", 1, &[], Leaf, "background \"#101820\""),
     rule(
         "render",
@@ -150,13 +130,7 @@ pub(super) const SHAPES: &[Rule] = &[
         "half-space point=\"0 0 0\" normal=\"0 0 1\"",
     ),
     rule("union", 0, &["rule", "family"], Shapes, "union { … }"),
-    rule(
-        "intersect",
-        0,
-        &["rule", "family"],
-        Shapes,
-        "intersect { … }",
-    ),
+    rule("intersect", 0, &["rule", "family"], Shapes, "intersect { … }"),
     rule("subtract", 0, &["family"], Shapes, "subtract { … }"),
     rule(
         "overlay",
@@ -194,13 +168,7 @@ pub(super) const SHAPES: &[Rule] = &[
         Shapes,
         "shear xy=0.5 { … }",
     ),
-    rule(
-        "matrix",
-        1,
-        &[],
-        Shapes,
-        "matrix \"1 0 0 0  0 1 0 0  0 0 1 0\" { … }",
-    ),
+    rule("matrix", 1, &[], Shapes, "matrix \"1 0 0 0  0 1 0 0  0 0 1 0\" { … }"),
     rule(
         "map",
         1,
@@ -249,19 +217,11 @@ mod tests {
     #[test]
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
-        let documented = |name: &str, ends: &[char]| {
-            ends.iter()
-                .any(|end| text.contains(&format!("`{name}{end}")))
-        };
+        let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
         for rule in [TOP, SHAPES, AT, POINT].into_iter().flatten() {
             assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
             for property in rule.properties {
-                assert!(
-                    documented(property, &['`', '=']),
-                    "{} of {}",
-                    property,
-                    rule.name
-                );
+                assert!(documented(property, &['`', '=']), "{} of {}", property, rule.name);
             }
         }
     }

@@ -32,10 +32,7 @@ pub(super) fn check(text: &str) -> Result<(), Found> {
         scan.token()?;
     }
     match scan.open.last() {
-        Some(&at) => Err((
-            at,
-            syntax("this `{` is never closed", "add the missing `}`"),
-        )),
+        Some(&at) => Err((at, syntax("this `{` is never closed", "add the missing `}`"))),
         None => Ok(()),
     }
 }
@@ -85,10 +82,7 @@ impl Scan<'_> {
     }
 
     fn close_brace(&mut self) -> Result<(), Found> {
-        let problem = syntax(
-            "this `}` closes nothing",
-            "remove it, or add the missing `{`",
-        );
+        let problem = syntax("this `}` closes nothing", "remove it, or add the missing `{`");
         self.open.pop().ok_or((self.at, problem))?;
         self.at += 1;
         Ok(())
@@ -100,16 +94,10 @@ impl Scan<'_> {
         loop {
             match &self.bytes[self.at..] {
                 [] => {
-                    return Err((
-                        start,
-                        syntax("this comment never ends", "add the missing `*/`"),
-                    ));
+                    return Err((start, syntax("this comment never ends", "add the missing `*/`")));
                 }
                 [b'/', b'*', ..] if depth == MAX_COMMENT_DEPTH => {
-                    return Err((
-                        start,
-                        syntax("comments nest too deeply", "use `//` comments"),
-                    ));
+                    return Err((start, syntax("comments nest too deeply", "use `//` comments")));
                 }
                 [b'/', b'*', ..] => {
                     depth += 1;
@@ -140,10 +128,7 @@ impl Scan<'_> {
             self.at += if escaped { 2 } else { 1 };
             let ends = self.at >= self.bytes.len();
             if ends || (!triple && self.bytes[self.at] == b'\n') {
-                return Err((
-                    start,
-                    syntax("this string never ends", "add the missing `\"`"),
-                ));
+                return Err((start, syntax("this string never ends", "add the missing `\"`")));
             }
         }
         self.at += end.len();
@@ -171,10 +156,7 @@ mod tests {
         let deep = "a {\n".repeat(MAX_DEPTH) + &"}\n".repeat(MAX_DEPTH);
         assert_eq!(check(&deep), Ok(()));
         let limit = Problem::TooDeep { limit: MAX_DEPTH };
-        assert_eq!(
-            check(&"a {\n".repeat(30_000)),
-            Err((4 * MAX_DEPTH + 2, limit))
-        );
+        assert_eq!(check(&"a {\n".repeat(30_000)), Err((4 * MAX_DEPTH + 2, limit)));
         let braces = "{".repeat(1000);
         for quiet in [
             format!("// {braces}\na"),

@@ -22,9 +22,7 @@ type Result<T> = std::result::Result<T, SceneError>;
 pub(super) fn primitive(element: &Element) -> Result<Option<Shape>> {
     Ok(Some(match element.name() {
         "sphere" => Shape::Sphere {
-            center: element
-                .get("center")
-                .map_or(Ok(DVec3::ZERO), |v| v.vector())?,
+            center: element.get("center").map_or(Ok(DVec3::ZERO), |v| v.vector())?,
             radius: element.require("radius")?.positive()?,
         },
         "box" => Shape::Box(solid_box(element)?),
@@ -50,12 +48,9 @@ fn solid_box(element: &Element) -> Result<Aabb> {
 
 /// The plane of a cut or a half-space: through `point` (the origin unless said), `normal` outwards.
 pub(super) fn plane(element: &Element) -> Result<Plane> {
-    let point = element
-        .get("point")
-        .map_or(Ok(DVec3::ZERO), |v| v.vector())?;
+    let point = element.get("point").map_or(Ok(DVec3::ZERO), |v| v.vector())?;
     let normal = element.require("normal")?;
-    Plane::through(point, normal.direction()?)
-        .ok_or_else(|| normal.bad("of a plane at a finite distance"))
+    Plane::through(point, normal.direction()?).ok_or_else(|| normal.bad("of a plane at a finite distance"))
 }
 
 /// The file that a volume node names, in the folder `base_dir` unless its path is absolute.
@@ -68,9 +63,7 @@ pub(super) fn volume_request(element: &Element, base_dir: &Path) -> Result<Volum
 
 /// The value window `inside`; all values unless said.
 pub(super) fn window(element: &Element) -> Result<Interval> {
-    element
-        .get("inside")
-        .map_or(Ok(Interval::ALL), parse_window)
+    element.get("inside").map_or(Ok(Interval::ALL), parse_window)
 }
 
 /// `"lo..hi"`, either end of which may be missing.
@@ -79,18 +72,10 @@ fn parse_window(value: Value) -> Result<Interval> {
     let (lo, hi) = value.string()?.split_once("..").ok_or_else(bad)?;
     let end = |text: &str, missing| match text.trim() {
         "" => Ok(missing),
-        number => number
-            .parse()
-            .ok()
-            .filter(|n: &f32| n.is_finite())
-            .ok_or_else(bad),
+        number => number.parse().ok().filter(|n: &f32| n.is_finite()).ok_or_else(bad),
     };
     let (lo, hi) = (end(lo, f32::NEG_INFINITY)?, end(hi, f32::INFINITY)?);
-    if lo <= hi {
-        Ok(Interval { lo, hi })
-    } else {
-        Err(bad())
-    }
+    if lo <= hi { Ok(Interval { lo, hi }) } else { Err(bad()) }
 }
 
 const RAW_VOXELS: &[(&str, VoxelType)] = &[
@@ -113,9 +98,7 @@ fn raw_layout(element: &Element) -> Result<Option<RawLayout>> {
         return match stray {
             Some(key) => Err(element.error_of(
                 key,
-                Problem::Conflict(
-                    "`type`, `spacing` and `endian` go with `dims`, for files without a header",
-                ),
+                Problem::Conflict("`type`, `spacing` and `endian` go with `dims`, for files without a header"),
             )),
             None => Ok(None),
         };
@@ -147,10 +130,7 @@ fn raw_spacing(element: &Element) -> Result<DVec3> {
 
 fn raw_dims(value: Value) -> Result<[usize; 3]> {
     let numbers: [f64; 3] = value.numbers()?;
-    if numbers
-        .iter()
-        .all(|&n| n.fract() == 0.0 && (1.0..=1e9).contains(&n))
-    {
+    if numbers.iter().all(|&n| n.fract() == 0.0 && (1.0..=1e9).contains(&n)) {
         Ok(numbers.map(|n| n as usize))
     } else {
         Err(value.bad("a string of three whole numbers above 0"))

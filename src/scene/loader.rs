@@ -30,10 +30,7 @@ pub struct NoVolumes;
 
 impl VolumeLoader for NoVolumes {
     fn load(&mut self, request: &VolumeRequest) -> Result<Arc<Bricks>, String> {
-        Err(format!(
-            "{}: volumes are not available here",
-            request.path.display()
-        ))
+        Err(format!("{}: volumes are not available here", request.path.display()))
     }
 }
 

@@ -30,9 +30,8 @@ pub(super) fn value_map(element: &Element, points: &[Element]) -> Result<ValueMa
         Kind::Table => &["scale", "offset", "a", "b", "c"],
     };
     if let Some(&key) = foreign.iter().find(|key| element.get(key).is_some()) {
-        let problem = Problem::Conflict(
-            "`scale` and `offset` are of a linear map, `a`, `b` and `c` of a quadratic one",
-        );
+        let problem =
+            Problem::Conflict("`scale` and `offset` are of a linear map, `a`, `b` and `c` of a quadratic one");
         return Err(element.error_of(key, problem));
     }
     if let (Some(point), true) = (points.first(), kind != Kind::Table) {
@@ -65,11 +64,7 @@ fn table(element: &Element, points: &[Element]) -> Result<ValueMap> {
     }
     if pairs.is_empty() {
         let (node, wanted) = (element.name(), "at least one point `at INPUT OUTPUT`");
-        return Err(element.error(Problem::TooFewChildren {
-            node,
-            wanted,
-            found: 0,
-        }));
+        return Err(element.error(Problem::TooFewChildren { node, wanted, found: 0 }));
     }
     Ok(ValueMap::Table(pairs.into()))
 }

@@ -75,17 +75,8 @@ impl Scene {
     ///
     /// # Errors
     /// The first problem, with its place.
-    pub fn parse(
-        name: &str,
-        text: &str,
-        base_dir: &Path,
-        loader: &mut dyn VolumeLoader,
-    ) -> Result<Self, SceneError> {
-        Self::build(
-            Source::new(name, text),
-            base_dir,
-            TreeBuilder::new(loader, None),
-        )
+    pub fn parse(name: &str, text: &str, base_dir: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+        Self::build(Source::new(name, text), base_dir, TreeBuilder::new(loader, None))
     }
 
     /// The scene in the file at `path`.
@@ -96,11 +87,7 @@ impl Scene {
         let name = path.to_string_lossy();
         let text = file::read(path).map_err(|problem| SceneError::of_file(&name, problem))?;
         let base_dir = path.parent().unwrap_or(Path::new(""));
-        Self::build(
-            Source::new(name, text),
-            base_dir,
-            TreeBuilder::new(loader, Some(path)),
-        )
+        Self::build(Source::new(name, text), base_dir, TreeBuilder::new(loader, Some(path)))
     }
 
     /// The scene of one volume file and nothing else.
@@ -190,6 +177,5 @@ impl Scene {
 
 /// Whether `path` is named like a scene file: it ends in `.kdl`.
 pub fn is_scene_file(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("kdl"))
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("kdl"))
 }

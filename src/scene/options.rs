@@ -42,9 +42,7 @@ impl TargetOptions {
             budget_mib: scene
                 .get("budget-mib")
                 .map_or(Ok(default.budget_mib), |v| v.whole(1, 1 << 24))?,
-            coarsen: scene
-                .get("coarsen")
-                .map_or(Ok(default.coarsen), |v| v.boolean())?,
+            coarsen: scene.get("coarsen").map_or(Ok(default.coarsen), |v| v.boolean())?,
             boundary: scene
                 .get("boundary")
                 .map_or(Ok(default.boundary), |v| v.one_of(&boundaries))?,
@@ -56,9 +54,7 @@ impl TargetOptions {
     pub fn subdivision(&self) -> Subdivision {
         let default = Subdivision::default();
         Subdivision {
-            min_block: self
-                .min_block
-                .map_or(default.min_block, |edge| edge as usize),
+            min_block: self.min_block.map_or(default.min_block, |edge| edge as usize),
             boundary: self.boundary,
             budget_bytes: (self.budget_mib as usize).saturating_mul(1 << 20),
             ..default

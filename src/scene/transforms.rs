@@ -46,9 +46,7 @@ fn scaling(element: &Element) -> Result<DAffine3, SceneError> {
 /// p ↦ p − 2 n (n · (p − point)).
 fn reflection(element: &Element) -> Result<DAffine3, SceneError> {
     let normal = element.require("normal")?.direction()?;
-    let point = element
-        .get("point")
-        .map_or(Ok(DVec3::ZERO), |v| v.vector())?;
+    let point = element.get("point").map_or(Ok(DVec3::ZERO), |v| v.vector())?;
     let outer = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
     Ok(fixing(point, DMat3::IDENTITY - outer * 2.0))
 }
@@ -77,9 +75,7 @@ fn matrix(m: [f64; 12]) -> DAffine3 {
 }
 
 fn about_center(element: &Element, linear: DMat3) -> Result<DAffine3, SceneError> {
-    let center = element
-        .get("center")
-        .map_or(Ok(DVec3::ZERO), |v| v.vector())?;
+    let center = element.get("center").map_or(Ok(DVec3::ZERO), |v| v.vector())?;
     Ok(fixing(center, linear))
 }
 

@@ -60,10 +60,7 @@ impl<'l> TreeBuilder<'l> {
             loader,
             volumes: Vec::new(),
             included: HashMap::new(),
-            open: root
-                .and_then(|path| path.canonicalize().ok())
-                .into_iter()
-                .collect(),
+            open: root.and_then(|path| path.canonicalize().ok()).into_iter().collect(),
             bytes: 0,
             depth: 0,
         }
@@ -155,11 +152,7 @@ impl<'l> TreeBuilder<'l> {
         let operands = self.children(element, scope)?;
         let too_few = || {
             let (node, found) = (element.name(), operands.len());
-            element.error(Problem::TooFewChildren {
-                node,
-                wanted,
-                found,
-            })
+            element.error(Problem::TooFewChildren { node, wanted, found })
         };
         let enough = (operands.len() >= least).then_some(&operands);
         let folded = enough.and_then(|o| self.model.fold(op, rule, family, o.iter().copied()));
@@ -182,20 +175,11 @@ impl<'l> TreeBuilder<'l> {
     /// All children as one node.
     fn united(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let children = self.children(element, scope)?;
-        let united = self.model.fold(
-            BooleanOp::Union,
-            ValueRule::First,
-            Family::default(),
-            children,
-        );
+        let united = self
+            .model
+            .fold(BooleanOp::Union, ValueRule::First, Family::default(), children);
         let (node, wanted) = (element.name(), "at least one child");
-        united.ok_or_else(|| {
-            element.error(Problem::TooFewChildren {
-                node,
-                wanted,
-                found: 0,
-            })
-        })
+        united.ok_or_else(|| element.error(Problem::TooFewChildren { node, wanted, found: 0 }))
     }
 
     fn children(&mut self, element: Element, scope: &mut Scope) -> Result<Vec<NodeId>> {
@@ -224,9 +208,7 @@ impl<'l> TreeBuilder<'l> {
     fn include(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
         let path = scope.base_dir.join(element.argument(0).string()?);
         let fails = |problem| element.error_of_argument(0, problem);
-        let canonical = path
-            .canonicalize()
-            .map_err(|e| fails(file::unreadable(&path, &e)))?;
+        let canonical = path.canonicalize().map_err(|e| fails(file::unreadable(&path, &e)))?;
         if let Some(&id) = self.included.get(&canonical) {
             return Ok(id);
         }
@@ -254,14 +236,8 @@ impl<'l> TreeBuilder<'l> {
 }
 
 /// The `scene` node of a document.
-pub(super) fn scene_element<'a>(
-    document: &'a KdlDocument,
-    source: &'a Source,
-) -> Result<Element<'a>> {
-    let node = document
-        .nodes()
-        .iter()
-        .find(|node| node.name().value() == "scene");
+pub(super) fn scene_element<'a>(document: &'a KdlDocument, source: &'a Source) -> Result<Element<'a>> {
+    let node = document.nodes().iter().find(|node| node.name().value() == "scene");
     let missing = || SceneError::at(source, (0..0).into(), Problem::NoScene);
     Element::new(node.ok_or_else(missing)?, &[grammar::TOP], source)
 }
@@ -278,11 +254,7 @@ fn cycle(chain: &[PathBuf], again: &Path) -> Problem {
             .map_or_else(|| path.to_string_lossy(), |n| n.to_string_lossy())
             .into_owned()
     };
-    let links: Vec<_> = chain
-        .iter()
-        .map(|path| name(path))
-        .chain([name(again)])
-        .collect();
+    let links: Vec<_> = chain.iter().map(|path| name(path)).chain([name(again)]).collect();
     Problem::IncludeCycle {
         path: name(again),
         chain: links.join(" → "),

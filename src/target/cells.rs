@@ -61,8 +61,7 @@ impl CellRanges {
 fn cell_range(block: &Block, voxels: &BlockVoxels, cell: [usize; 3]) -> Interval {
     let before = voxels.apron - 1;
     let first: [usize; 3] = cell.map(|c| c * CELL + before);
-    let last: [usize; 3] =
-        std::array::from_fn(|a| (cell[a] * CELL + CELL).min(block.extent[a]) + before + 2);
+    let last: [usize; 3] = std::array::from_fn(|a| (cell[a] * CELL + CELL).min(block.extent[a]) + before + 2);
     let mut range = Interval::EMPTY;
     for k in first[2]..last[2] {
         for j in first[1]..last[1] {
@@ -76,9 +75,7 @@ fn cell_range(block: &Block, voxels: &BlockVoxels, cell: [usize; 3]) -> Interval
 fn row_range(voxels: &BlockVoxels, part: std::ops::Range<usize>) -> Interval {
     let values = &voxels.premultiplied[part.clone()];
     match &voxels.coverage {
-        None => values
-            .iter()
-            .fold(Interval::EMPTY, |r, &v| r.hull(Interval::point(v))),
+        None => values.iter().fold(Interval::EMPTY, |r, &v| r.hull(Interval::point(v))),
         Some(coverage) => values
             .iter()
             .zip(&coverage[part])

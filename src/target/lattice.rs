@@ -59,11 +59,7 @@ impl Lattice {
     ///
     /// # Errors
     /// If the model is empty or unbounded, or the spacing impossible.
-    pub fn of_model(
-        model: &Model,
-        tree: &Tree,
-        spacing_mm: Option<f64>,
-    ) -> Result<Self, LatticeError> {
+    pub fn of_model(model: &Model, tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
         let root = model.root().ok_or(LatticeError::Empty)?;
         let bounds = model.bounds()[root.index()];
         if bounds.is_empty() {
@@ -149,10 +145,7 @@ fn common_lattice(tree: &Tree) -> Option<VolumeLattice> {
         .iter()
         .filter(|leaf| matches!(leaf.source, Source::Volume(_)));
     let first = volumes.next()?;
-    let same = |leaf: &crate::model::Leaf| {
-        leaf.local_from_frame
-            .abs_diff_eq(first.local_from_frame, 1e-9)
-    };
+    let same = |leaf: &crate::model::Leaf| leaf.local_from_frame.abs_diff_eq(first.local_from_frame, 1e-9);
     volumes.all(same).then(|| VolumeLattice {
         bounds: first.local_bounds,
         world_from_index: first.local_from_frame.inverse(),
@@ -196,8 +189,7 @@ impl VolumeLattice {
 
     /// Whether the wanted box stays within the volume's on `axis`, but for rounding and the slack of a moved box.
     fn within(&self, wanted: &Aabb, axis: usize) -> bool {
-        wanted.min[axis] >= self.bounds.min[axis] - 1e-6
-            && wanted.max[axis] <= self.bounds.max[axis] + 1e-6
+        wanted.min[axis] >= self.bounds.min[axis] - 1e-6 && wanted.max[axis] <= self.bounds.max[axis] + 1e-6
     }
 }
 

@@ -112,7 +112,7 @@ const TEXEL_BYTES: usize = 8;
 const LONG_PATH: usize = 64;
 
 /// The edge at which even long paths are left as they are.
-const FINEST: usize = 4;
+const FINEST: usize = 8;
 
 /// Voxels of the coarsest lattice: one and the layer round it.
 const FEWEST: usize = 27;
@@ -122,11 +122,7 @@ impl Target {
     ///
     /// # Errors
     /// If the model has no lattice, cannot be flattened, or its blocks exceed the budget.
-    pub fn build(
-        model: &Model,
-        spacing_mm: Option<f64>,
-        subdivision: &Subdivision,
-    ) -> Result<Self, TargetError> {
+    pub fn build(model: &Model, spacing_mm: Option<f64>, subdivision: &Subdivision) -> Result<Self, TargetError> {
         let world_tree = Tree::new(model, &DAffine3::IDENTITY)?;
         let lattice = Lattice::of_model(model, &world_tree, spacing_mm)?;
         Self::on_lattice(model, lattice, subdivision)
@@ -158,11 +154,7 @@ impl Target {
     ///
     /// # Errors
     /// If the model cannot be flattened, or its blocks exceed the budget.
-    pub fn on_lattice(
-        model: &Model,
-        lattice: Lattice,
-        subdivision: &Subdivision,
-    ) -> Result<Self, TargetError> {
+    pub fn on_lattice(model: &Model, lattice: Lattice, subdivision: &Subdivision) -> Result<Self, TargetError> {
         let tree = Tree::new(model, &lattice.world_from_lattice)?;
         let longest = lattice.dims.iter().copied().max().unwrap_or(1);
         let root = Cube {
@@ -181,10 +173,7 @@ impl Target {
         flat.nodes.push(OctreeNode::Empty);
         flat.place(subtree, 0, lattice.dims);
         // Of the whole and not of the blocks: pictures are made of fractions of it, and must not depend on the subdivision.
-        let value_range = tree
-            .prune(tree.steps(), &lattice.centres(), None)
-            .range
-            .value;
+        let value_range = tree.prune(tree.steps(), &lattice.centres(), None).range.value;
         Ok(Self {
             octree: Octree {
                 root,
@@ -266,9 +255,7 @@ impl Splitter<'_> {
             return std::array::from_fn(octant);
         }
         let octants: Vec<Subtree> = (0..8).into_par_iter().map(octant).collect();
-        octants
-            .try_into()
-            .unwrap_or_else(|_| unreachable!("eight octants"))
+        octants.try_into().unwrap_or_else(|_| unreachable!("eight octants"))
     }
 
     /// The voxel centres that the block's picture can depend on, as a box of the lattice.
@@ -287,11 +274,7 @@ impl Splitter<'_> {
         } else {
             Layout::Covered
         };
-        let candidate = Candidate {
-            cube,
-            pruned,
-            layout,
-        };
+        let candidate = Candidate { cube, pruned, layout };
         if layout != Layout::Uniform {
             let voxels = cube.extent(self.lattice.dims).iter().product();
             self.stored_voxels.fetch_add(voxels, Ordering::Relaxed);

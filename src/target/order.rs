@@ -53,8 +53,6 @@ pub fn octants_back_to_front(cube: &Cube, viewpoint: Viewpoint) -> [usize; 8] {
         Viewpoint::Direction(d) => d,
         Viewpoint::Point(eye) => eye - cube.center(),
     };
-    let far = (0..3)
-        .filter(|&a| towards[a] <= 0.0)
-        .fold(0, |far, a| far | 1 << a);
+    let far = (0..3).filter(|&a| towards[a] <= 0.0).fold(0, |far, a| far | 1 << a);
     std::array::from_fn(|i| far ^ i)
 }

@@ -22,9 +22,7 @@ impl VolumeRow<'_> {
     /// Values at the voxels from `(x, y, z)` on along x, all in the volume's box.
     fn fill(&self, x: f64, y: f64, z: f64, values: &mut [f32]) {
         let map = &self.leaf.local_from_frame;
-        self.volume
-            .bricks
-            .sample_row(map, affine::row(map, y, z), x, values);
+        self.volume.bricks.sample_row(map, affine::row(map, y, z), x, values);
     }
 }
 
@@ -78,10 +76,7 @@ impl<'a> RowEvaluator<'a> {
             self.push(columns.len());
         }
         let row = &self.rows[0];
-        for (out, (v, c)) in premultiplied
-            .iter_mut()
-            .zip(row.value.iter().zip(&row.coverage))
-        {
+        for (out, (v, c)) in premultiplied.iter_mut().zip(row.value.iter().zip(&row.coverage)) {
             *out = v * c;
         }
         if let Some(coverage) = coverage {
@@ -133,11 +128,7 @@ impl<'a> RowEvaluator<'a> {
                 let cut = tree.cut(i);
                 self.top().update(|n, s| {
                     let p = DVec3::new(x0 + n as f64, y, z);
-                    if cut.distance(p) > 0.0 {
-                        Sample::EMPTY
-                    } else {
-                        s
-                    }
+                    if cut.distance(p) > 0.0 { Sample::EMPTY } else { s }
                 });
             }
             Step::Combine(i) => {

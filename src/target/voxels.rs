@@ -59,10 +59,7 @@ impl BlockVoxels {
     fn premultiplied_at(&self, origin: [usize; 3], at: [usize; 3]) -> (f32, f32) {
         let [i, j, k]: [usize; 3] = std::array::from_fn(|a| at[a] + self.apron - origin[a]);
         let n = i + self.dims[0] * (j + self.dims[1] * k);
-        (
-            self.premultiplied[n],
-            self.coverage.as_ref().map_or(1.0, |c| c[n]),
-        )
+        (self.premultiplied[n], self.coverage.as_ref().map_or(1.0, |c| c[n]))
     }
 }
 
@@ -76,20 +73,14 @@ fn fill_plane(
 ) {
     let dims = target.lattice.dims;
     let width = block.extent[0] + 2 * apron;
-    let clamped = |axis: usize, n: usize| {
-        (block.origin[axis] + n)
-            .saturating_sub(apron)
-            .min(dims[axis] - 1)
-    };
+    let clamped = |axis: usize, n: usize| (block.origin[axis] + n).saturating_sub(apron).min(dims[axis] - 1);
     let columns = clamped(0, 0)..clamped(0, width - 1) + 1;
     // Stored columns before the first and after the last one evaluated repeat it.
     let before = (apron).saturating_sub(block.origin[0]);
     let inside = before..before + columns.len();
     let mut rows = RowEvaluator::new(&target.tree);
     for (j, out) in values.chunks_exact_mut(width).enumerate() {
-        let mut coverage = coverage
-            .as_mut()
-            .map(|c| &mut c[j * width..(j + 1) * width]);
+        let mut coverage = coverage.as_mut().map(|c| &mut c[j * width..(j + 1) * width]);
         rows.evaluate(
             target.path(block),
             columns.clone(),
@@ -204,9 +195,7 @@ impl Target {
                 OctreeNode::Block(b) => return Some(b as usize),
                 OctreeNode::Split(first) => {
                     let half = cube.size / 2;
-                    let octant = (0..3).fold(0, |o, a| {
-                        o | usize::from(at[a] >= cube.origin[a] + half) << a
-                    });
+                    let octant = (0..3).fold(0, |o, a| o | usize::from(at[a] >= cube.origin[a] + half) << a);
                     cube = cube.octant(octant);
                     node = self.octree.nodes[first as usize + octant];
                 }

@@ -177,13 +177,7 @@ impl ClosedForm for Ball {
 
     fn range(&self, region: &Aabb) -> Span {
         let nearest = self.center.clamp(region.min, region.max);
-        Span::of(
-            region
-                .corners()
-                .into_iter()
-                .chain([nearest])
-                .map(|p| self.value(p)),
-        )
+        Span::of(region.corners().into_iter().chain([nearest]).map(|p| self.value(p)))
     }
 }
 

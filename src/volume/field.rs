@@ -25,10 +25,7 @@ impl Sample {
 
     /// A fully covered point of value `value`.
     pub const fn solid(value: f32) -> Self {
-        Self {
-            value,
-            coverage: 1.0,
-        }
+        Self { value, coverage: 1.0 }
     }
 
     /// `value · coverage`: what is filtered and differentiated, so that empty space lends no value to an object.
@@ -55,8 +52,7 @@ impl SampleRange {
 
     /// Whether `sample` is one of those that the range allows.
     pub fn contains(&self, sample: Sample) -> bool {
-        self.coverage.contains(sample.coverage)
-            && (sample.coverage == 0.0 || self.value.contains(sample.value))
+        self.coverage.contains(sample.coverage) && (sample.coverage == 0.0 || self.value.contains(sample.value))
     }
 }
 

@@ -78,9 +78,7 @@ pub enum GridError {
         found: usize,
     },
     /// `world_from_index` has no inverse or is not finite.
-    #[error(
-        "the grid's axes do not span space: its index-to-world transform is singular or not finite"
-    )]
+    #[error("the grid's axes do not span space: its index-to-world transform is singular or not finite")]
     Singular,
 }
 
@@ -113,11 +111,7 @@ impl Grid {
     ///
     /// # Errors
     /// An axis of no or too many voxels, another number of voxels than `dims` say, or a transform that cannot be inverted.
-    pub fn new(
-        dims: [usize; 3],
-        world_from_index: DAffine3,
-        voxels: Voxels,
-    ) -> Result<Self, GridError> {
+    pub fn new(dims: [usize; 3], world_from_index: DAffine3, voxels: Voxels) -> Result<Self, GridError> {
         let expected = voxel_count(dims)?;
         let found = voxels.len();
         if found != expected {
@@ -135,11 +129,7 @@ impl Grid {
     ///
     /// # Errors
     /// Those of [`Grid::new`].
-    pub fn from_field(
-        field: &dyn Field,
-        dims: [usize; 3],
-        world_from_index: DAffine3,
-    ) -> Result<Self, GridError> {
+    pub fn from_field(field: &dyn Field, dims: [usize; 3], world_from_index: DAffine3) -> Result<Self, GridError> {
         voxel_count(dims)?;
         let voxel = |i, j, k| {
             let p = affine::point(&world_from_index, DVec3::new(i as f64, j as f64, k as f64));
@@ -147,9 +137,7 @@ impl Grid {
         };
         let values = (0..dims[2])
             .into_par_iter()
-            .flat_map_iter(|k| {
-                (0..dims[1]).flat_map(move |j| (0..dims[0]).map(move |i| voxel(i, j, k)))
-            })
+            .flat_map_iter(|k| (0..dims[1]).flat_map(move |j| (0..dims[0]).map(move |i| voxel(i, j, k))))
             .collect();
         Self::new(dims, world_from_index, Voxels::F32(values))
     }
@@ -242,11 +230,7 @@ impl Tally {
 fn stats<T: Voxel>(voxels: &[T]) -> Stats {
     let chunks: Vec<Tally> = voxels
         .par_chunks(1 << 16)
-        .map(|chunk| {
-            chunk
-                .iter()
-                .fold(Tally::NONE, |tally, v| tally.with(v.to_f64()))
-        })
+        .map(|chunk| chunk.iter().fold(Tally::NONE, |tally, v| tally.with(v.to_f64())))
         .collect();
     let all = chunks.into_iter().fold(Tally::NONE, Tally::join);
     let some = |v: f64| if all.finite > 0 { v } else { f64::NAN };
@@ -279,24 +263,15 @@ mod tests {
         let huge = [1 << 26; 3];
         assert_eq!(
             grid([2, 2, 2], Voxels::U8(vec![0; 7])),
-            Err(GridError::Count {
-                expected: 8,
-                found: 7
-            })
+            Err(GridError::Count { expected: 8, found: 7 })
         );
         assert_eq!(
             grid([2, 0, 2], Voxels::U8(vec![])),
             Err(GridError::Empty { dims: [2, 0, 2] })
         );
-        assert_eq!(
-            grid(huge, Voxels::U8(vec![])),
-            Err(GridError::TooLarge { dims: huge })
-        );
+        assert_eq!(grid(huge, Voxels::U8(vec![])), Err(GridError::TooLarge { dims: huge }));
         let flat = DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.0));
-        assert_eq!(
-            Grid::new([1; 3], flat, Voxels::U8(vec![0])),
-            Err(GridError::Singular)
-        );
+        assert_eq!(Grid::new([1; 3], flat, Voxels::U8(vec![0])), Err(GridError::Singular));
     }
 
     #[test]

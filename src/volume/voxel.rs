@@ -98,11 +98,7 @@ macro_rules! impl_voxel {
 
 fn regular_f32(v: f32) -> f32 {
     // In IEEE arithmetic -0 + 0 = +0, and every other value is kept.
-    if v.abs() <= f32::MAX / 2.0 {
-        v + 0.0
-    } else {
-        f32::NAN
-    }
+    if v.abs() <= f32::MAX / 2.0 { v + 0.0 } else { f32::NAN }
 }
 
 fn regular_f64(v: f64) -> f64 {

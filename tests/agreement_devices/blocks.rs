@@ -50,15 +50,8 @@ fn draw(bench: &mut Bench, recipe: &Recipe) -> Drawn {
 fn require_same(bench: &mut Bench, seed: u64, size: usize) {
     let one = draw(bench, &recipe(seed, [64, 64]));
     let many = draw(bench, &recipe(seed, [size, size]));
-    assert!(
-        one.boxes < many.boxes,
-        "seed {seed}: one block is in fewer boxes"
-    );
-    bench.require_within(
-        &format!("seed {seed} in one block"),
-        &one.frame,
-        &one.bounds,
-    );
+    assert!(one.boxes < many.boxes, "seed {seed}: one block is in fewer boxes");
+    bench.require_within(&format!("seed {seed} in one block"), &one.frame, &one.bounds);
     let what = format!("seed {seed} in blocks of {size}");
     bench.require_within(&what, &many.frame, &many.bounds);
     // Both bounds hold the exact picture, so their hull is no wider than they are together.
@@ -67,9 +60,7 @@ fn require_same(bench: &mut Bench, seed: u64, size: usize) {
     assert!(alike(&one.frame, &many.frame, &widths), "{what}");
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn one_block_or_many_the_picture_is_the_same() {
+pub fn one_block_or_many_the_picture_is_the_same() {
     on_device(|bench| {
         for seed in 40..46 {
             for size in [8, 16] {

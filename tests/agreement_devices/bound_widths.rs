@@ -35,10 +35,7 @@ fn ramp() -> Scene {
         color: [1.0, 0.8, 0.6],
         opacity,
     };
-    let points = vec![
-        point(0.0, OPACITY[0]),
-        point((VOXELS - 1) as f32, OPACITY[1]),
-    ];
+    let points = vec![point(0.0, OPACITY[0]), point((VOXELS - 1) as f32, OPACITY[1])];
     let view = View {
         zoom: 3.0,
         ..View::default()
@@ -55,9 +52,7 @@ fn ramp() -> Scene {
     }
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn a_smooth_scene_has_narrow_bounds() {
+pub fn a_smooth_scene_has_narrow_bounds() {
     on_device(|bench| {
         let scene = ramp();
         let spec = scene.spec();
@@ -71,8 +66,7 @@ fn a_smooth_scene_has_narrow_bounds() {
         let p = &bench.precision;
         // A page is the block and its apron; a voxel is a millimetre.
         let edge = (VOXELS + 2) as f64;
-        let position =
-            p.weight + edge * (p.interpolated + p.coordinate) + p.vertex_px / pixels_per_mm;
+        let position = p.weight + edge * (p.interpolated + p.coordinate) + p.vertex_px / pixels_per_mm;
         let read = (0.5 + p.sum_steps) / 65535.0 + p.sum;
         let rise = 1.0 / (VOXELS - 1) as f64;
         let entry = (p.weight + 4096.0 * p.coordinate) / 4095.0;

@@ -71,8 +71,7 @@ fn without_box(plan: &mut SlicePlan, dropped: u32) {
 
 /// Draws the boxes in the opposite order, each still from back to front.
 fn reversed(plan: &mut SlicePlan) {
-    plan.slices
-        .sort_by_key(|slice| std::cmp::Reverse(slice.slice_box));
+    plan.slices.sort_by_key(|slice| std::cmp::Reverse(slice.slice_box));
 }
 
 /// Draws two boxes in each other's place.
@@ -84,9 +83,7 @@ fn swapped(plan: &mut SlicePlan, [a, b]: [u32; 2]) {
     });
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn a_shifted_pixel_is_out_of_bounds() {
+pub fn a_shifted_pixel_is_out_of_bounds() {
     on_device(|bench| {
         let case = Case::new(bench);
         let mut wrong = case.right.clone();
@@ -95,9 +92,7 @@ fn a_shifted_pixel_is_out_of_bounds() {
     });
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn a_dropped_block_is_out_of_bounds() {
+pub fn a_dropped_block_is_out_of_bounds() {
     on_device(|bench| {
         let mut case = Case::new(bench);
         let nearest = case.prepared.plan.boxes.len() as u32 - 1;
@@ -106,9 +101,7 @@ fn a_dropped_block_is_out_of_bounds() {
     });
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn swapped_blocks_are_out_of_bounds() {
+pub fn swapped_blocks_are_out_of_bounds() {
     on_device(|bench| {
         let mut case = Case::new(bench);
         let wrong = case.spoiled(bench, reversed);
@@ -126,14 +119,11 @@ fn swapped_blocks_are_out_of_bounds() {
     });
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn flipped_operands_are_out_of_bounds() {
+pub fn flipped_operands_are_out_of_bounds() {
     on_device(|bench| {
         let mut case = Case::new(bench);
         let lattice = case.scene.target.lattice;
-        let flipped =
-            Target::on_lattice(&flipped_model(), lattice, &subdivision()).expect("a target");
+        let flipped = Target::on_lattice(&flipped_model(), lattice, &subdivision()).expect("a target");
         case.scene.target = flipped;
         let prepared = bench.prepare(&case.scene.spec());
         let wrong = bench.draw(&case.scene.spec(), &prepared);
@@ -141,9 +131,7 @@ fn flipped_operands_are_out_of_bounds() {
     });
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn half_a_texel_is_out_of_bounds() {
+pub fn half_a_texel_is_out_of_bounds() {
     on_device(|bench| {
         let mut case = Case::new(bench);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {

@@ -39,8 +39,7 @@ pub struct Prepared {
 
 impl Bench {
     fn open() -> Self {
-        let instance = Instance::new(Validation::On)
-            .unwrap_or_else(|error| panic!("{error}: run `make setup`"));
+        let instance = Instance::new(Validation::On).unwrap_or_else(|error| panic!("{error}: run `make setup`"));
         let selector = std::env::var(NAME).map_or(DeviceSelector::Default, DeviceSelector::Name);
         let device = Device::open(&instance, &selector, &SliceRenderer::REQUIREMENTS)
             .unwrap_or_else(|error| panic!("{error}: run `make setup`"));
@@ -71,9 +70,7 @@ impl Bench {
     }
 
     pub fn draw(&mut self, spec: &FrameSpec, prepared: &Prepared) -> Frame {
-        let drawn = self
-            .renderer
-            .draw_plan(spec, &prepared.paged, &prepared.plan);
+        let drawn = self.renderer.draw_plan(spec, &prepared.paged, &prepared.plan);
         drawn.expect("a frame").0
     }
 
@@ -87,19 +84,11 @@ impl Bench {
         let name = format!("{}-{what}.png", self.device().info().name);
         let file: String = name
             .chars()
-            .map(|c| {
-                if c.is_alphanumeric() || c == '.' {
-                    c
-                } else {
-                    '-'
-                }
-            })
+            .map(|c| if c.is_alphanumeric() || c == '.' { c } else { '-' })
             .collect();
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("agreement");
         std::fs::create_dir_all(&folder).expect("a folder for pictures");
-        if let Err(error) =
-            compare::require_within(frame, &bounds.low, &bounds.high, &folder.join(file))
-        {
+        if let Err(error) = compare::require_within(frame, &bounds.low, &bounds.high, &folder.join(file)) {
             let pixels = bounds.pixels_outside(frame);
             panic!("{what}: {error}; {pixels} pixels are out of bounds");
         }

@@ -1,9 +1,8 @@
 //! Slices on Vulkan against bounds derived from the device's own precision (design laws 2, 3 and 9), on every device that
 //! `make setup` provides.
 //!
-//! Which driver is loaded is decided before a process first touches Vulkan. So the laws are ignored tests, and a test for
-//! each device runs them all in a process of its own, with its driver in the environment. They can be run by themselves on
-//! whatever device is there: `cargo test --test agreement_devices -- --ignored`.
+//! Which driver is loaded is decided before a process first touches Vulkan. So one test runs all laws on whatever device is
+//! there, and a test for each device runs that test in a process of its own, with its driver in the environment.
 
 mod blocks;
 mod bound_widths;
@@ -16,6 +15,19 @@ mod scene;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Every law; each panics with what is wrong.
+const LAWS: [fn(); 9] = [
+    blocks::one_block_or_many_the_picture_is_the_same,
+    bound_widths::a_smooth_scene_has_narrow_bounds,
+    comparators::a_shifted_pixel_is_out_of_bounds,
+    comparators::a_dropped_block_is_out_of_bounds,
+    comparators::swapped_blocks_are_out_of_bounds,
+    comparators::flipped_operands_are_out_of_bounds,
+    comparators::half_a_texel_is_out_of_bounds,
+    modes::slices_agree_with_the_reference,
+    modes::random_scenes_agree_with_the_reference,
+];
+
 /// Mesa's software rasteriser, as Debian installs it.
 const LAVAPIPE: &str = "/usr/share/vulkan/icd.d/lvp_icd.x86_64.json";
 
@@ -25,24 +37,25 @@ fn swiftshader() -> PathBuf {
 
 /// Runs all laws with the driver of `manifest` and the further `environment`.
 fn laws_hold(manifest: &Path, environment: &[(&str, &str)]) {
-    assert!(
-        manifest.exists(),
-        "{} is missing: run `make setup`",
-        manifest.display()
-    );
+    assert!(manifest.exists(), "{} is missing: run `make setup`", manifest.display());
     let laws = std::env::current_exe().expect("this very program");
     let output = Command::new(laws)
-        .args(["--ignored", "--nocapture", "--test-threads=1"])
+        .args(["--exact", "this_device_keeps_the_laws", "--nocapture"])
         .env("VK_ICD_FILENAMES", manifest)
         .env_remove("VK_DRIVER_FILES")
         .env_remove("GALLIVM_PERF")
         .envs(environment.iter().copied())
         .output()
         .expect("this very program runs");
-    let [said, complained] =
-        [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+    let [said, complained] = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
     assert!(output.status.success(), "{said}\n{complained}");
+    assert!(said.contains("1 passed"), "no law was tested: {said}");
     println!("{said}\n{complained}");
+}
+
+#[test]
+fn this_device_keeps_the_laws() {
+    LAWS.iter().for_each(|law| law());
 }
 
 #[test]

@@ -61,9 +61,7 @@ fn require_agreement(bench: &mut Bench, recipe: &Recipe) -> Frame {
     frame
 }
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn slices_agree_with_the_reference() {
+pub fn slices_agree_with_the_reference() {
     on_device(|bench| {
         for recipe in recipes() {
             let frame = require_agreement(bench, &recipe);
@@ -76,9 +74,7 @@ fn slices_agree_with_the_reference() {
 /// Names the variable with the number of random scenes, for longer runs.
 const SCENES: &str = "VCSG_TEST_SCENES";
 
-#[test]
-#[ignore = "run for each device by the tests in main.rs"]
-fn random_scenes_agree_with_the_reference() {
+pub fn random_scenes_agree_with_the_reference() {
     let scenes = std::env::var(SCENES).map_or(12, |n| n.parse().expect("a number of scenes"));
     on_device(|bench| {
         for seed in 1000..1000 + scenes {

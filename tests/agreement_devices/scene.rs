@@ -6,8 +6,8 @@ use glam::{DAffine3, DQuat, DVec3};
 use vcsg::math::Interval;
 use vcsg::model::{BooleanOp, Combine, Family, Model, Node, Plane, Shape, ValueRule, VolumeLeaf};
 use vcsg::projection::{
-    Camera, ControlPoint, DepthCue, FrameSpec, Light, Material, Mode, Projection, Settings,
-    Shading, TransferFunction, View,
+    Camera, ControlPoint, DepthCue, FrameSpec, Light, Material, Mode, Projection, Settings, Shading, TransferFunction,
+    View,
 };
 use vcsg::target::{Subdivision, Target};
 use vcsg::volume::{Bricks, Grid, VoxelType, Voxels};
@@ -91,9 +91,7 @@ impl Recipe {
         // A lattice of its own, so that the volume is interpolated.
         let spacing_mm = (self.content == Content::Turned).then_some(1.1);
         let target = Target::build(&model, spacing_mm, &subdivision).expect("a target");
-        let camera = self
-            .view(&mut random)
-            .camera(&target.lattice.world_bounds(), FRAME_PX);
+        let camera = self.view(&mut random).camera(&target.lattice.world_bounds(), FRAME_PX);
         Scene {
             transfer: transfer(&mut random),
             camera,
@@ -138,17 +136,9 @@ impl Recipe {
             }
             Content::Carved => {
                 let plane = Plane::through(center, DVec3::new(1.0, -1.0, 0.5)).expect("a plane");
-                let child = model.push(Node::Cut {
-                    child: volume,
-                    plane,
-                });
+                let child = model.push(Node::Cut { child: volume, plane });
                 let second = model.push(ball);
-                model.push(combine(
-                    BooleanOp::Subtraction,
-                    ValueRule::First,
-                    child,
-                    second,
-                ));
+                model.push(combine(BooleanOp::Subtraction, ValueRule::First, child, second));
             }
             Content::United => {
                 let second = model.push(ball);
@@ -168,11 +158,7 @@ impl Recipe {
         };
         let turned = random.below(4) > 0;
         let mut degrees = |most: f64| {
-            if turned {
-                random.between(-most, most)
-            } else {
-                0.0
-            }
+            if turned { random.between(-most, most) } else { 0.0 }
         };
         View {
             azimuth_deg: degrees(180.0),
@@ -199,8 +185,7 @@ impl Recipe {
 
 fn shading(random: &mut Random) -> Shading {
     let lights = (0..1 + random.below(Shading::MAX_LIGHTS)).map(|_| Light {
-        towards: DVec3::from_array(std::array::from_fn(|_| random.between(-1.0, 1.0)))
-            .normalize_or(DVec3::NEG_Z),
+        towards: DVec3::from_array(std::array::from_fn(|_| random.between(-1.0, 1.0))).normalize_or(DVec3::NEG_Z),
         intensity: random.between(0.1, 0.8) as f32,
     });
     Shading {
@@ -222,10 +207,7 @@ fn grid(voxels: VoxelType, random: &mut Random) -> Grid {
         (wave, random.between(0.0, std::f64::consts::TAU))
     });
     let value = |p: DVec3| {
-        let sum: f64 = waves
-            .iter()
-            .map(|(k, phase)| (k.dot(p) + phase).sin())
-            .sum();
+        let sum: f64 = waves.iter().map(|(k, phase)| (k.dot(p) + phase).sin()).sum();
         VALUES[0] + (VALUES[1] - VALUES[0]) * (0.5 + sum / 6.0)
     };
     let [nx, ny, nz] = dims;

@@ -5,15 +5,7 @@ use std::collections::BTreeSet;
 use crate::source::{Finding, SourceFile, code_only};
 
 /// The flow: each may import the ones before it.
-const FLOW: [&str; 7] = [
-    "math",
-    "volume",
-    "voxelize",
-    "model",
-    "target",
-    "projection",
-    "surface",
-];
+const FLOW: [&str; 7] = ["math", "volume", "voxelize", "model", "target", "projection", "surface"];
 
 /// Modules that import nothing of the crate, and that the flow and all above it may import.
 const LEAVES: [&str; 2] = ["interface", "output"];
@@ -83,12 +75,7 @@ fn imports(file: &SourceFile) -> Vec<(usize, String)> {
             }
             let line = code[..at].matches('\n').count() + 1;
             let heads = heads(&code[at + root.len()..]);
-            found.extend(
-                heads
-                    .into_iter()
-                    .filter(|h| is_module(h))
-                    .map(|h| (line, h)),
-            );
+            found.extend(heads.into_iter().filter(|h| is_module(h)).map(|h| (line, h)));
         }
     }
     found
@@ -98,11 +85,7 @@ fn imports(file: &SourceFile) -> Vec<(usize, String)> {
 fn depth(path: &str) -> usize {
     let inside = path.strip_prefix("src/").unwrap_or(path);
     let parts = inside.split('/').count();
-    if inside.ends_with("/mod.rs") {
-        parts - 1
-    } else {
-        parts
-    }
+    if inside.ends_with("/mod.rs") { parts - 1 } else { parts }
 }
 
 /// Modules are lower case; what the crate's root re-exports is not.
@@ -147,10 +130,7 @@ fn top_level_items(list: &str) -> Vec<&str> {
 pub fn modules<'a>(paths: impl Iterator<Item = &'a str>) -> BTreeSet<String> {
     let mut modules = BTreeSet::new();
     for path in paths {
-        let Some(inside) = path
-            .strip_prefix("src/")
-            .and_then(|p| p.strip_suffix(".rs"))
-        else {
+        let Some(inside) = path.strip_prefix("src/").and_then(|p| p.strip_suffix(".rs")) else {
             continue;
         };
         let parts: Vec<_> = inside.split('/').filter(|part| *part != "mod").collect();
@@ -165,17 +145,10 @@ pub fn modules<'a>(paths: impl Iterator<Item = &'a str>) -> BTreeSet<String> {
 /// Modules without a line of `page` that has their names in backticks: `a`, or both `a` and `b` for `a/b`.
 pub fn unnamed_modules<'a>(page: &str, modules: &'a BTreeSet<String>) -> Vec<&'a str> {
     let named = |module: &&str| {
-        page.lines().any(|line| {
-            module
-                .split('/')
-                .all(|part| line.contains(&format!("`{part}`")))
-        })
+        page.lines()
+            .any(|line| module.split('/').all(|part| line.contains(&format!("`{part}`"))))
     };
-    modules
-        .iter()
-        .map(String::as_str)
-        .filter(|m| !named(m))
-        .collect()
+    modules.iter().map(String::as_str).filter(|m| !named(m)).collect()
 }
 
 #[cfg(test)]
@@ -190,10 +163,7 @@ mod tests {
     #[test]
     fn a_later_module_is_found_however_it_is_named() {
         let expected = ["`volume` must not import `model`"];
-        assert_eq!(
-            forbidden("src/volume/a.rs", "use crate::model::Node;"),
-            expected
-        );
+        assert_eq!(forbidden("src/volume/a.rs", "use crate::model::Node;"), expected);
         assert_eq!(
             forbidden("src/volume/a.rs", "use crate::{math::{Aabb, x}, model};"),
             expected
@@ -202,14 +172,8 @@ mod tests {
             forbidden("src/volume/a.rs", "fn f() -> crate::model::Node {}"),
             expected
         );
-        assert_eq!(
-            forbidden("src/volume/a.rs", "use super::super::model::Node;"),
-            expected
-        );
-        assert_eq!(
-            forbidden("src/volume/mod.rs", "use super::model::Node;"),
-            expected
-        );
+        assert_eq!(forbidden("src/volume/a.rs", "use super::super::model::Node;"), expected);
+        assert_eq!(forbidden("src/volume/mod.rs", "use super::model::Node;"), expected);
     }
 
     #[test]
@@ -222,19 +186,10 @@ mod tests {
 
     #[test]
     fn what_stands_beside_the_flow_stays_there() {
-        assert_eq!(
-            forbidden("src/gpu/a.rs", "use crate::{interface, math};").len(),
-            1
-        );
-        assert_eq!(
-            forbidden("src/image/a.rs", "use crate::projection;").len(),
-            1
-        );
-        assert_eq!(forbidden("src/render/a.rs", "use crate::model;").len(), 1);
-        assert_eq!(
-            forbidden("src/projection/a.rs", "use crate::scene;").len(),
-            1
-        );
+        assert_eq!(forbidden("src/gpu/a.rs", "use crate::{interface, math};").len(), 1);
+        assert_eq!(forbidden("src/image/a.rs", "use crate::projection;").len(), 1);
+        assert_eq!(forbidden("src/render/a.rs", "use crate::scene;").len(), 1);
+        assert_eq!(forbidden("src/projection/a.rs", "use crate::scene;").len(), 1);
     }
 
     #[test]
@@ -254,19 +209,10 @@ mod tests {
 
     #[test]
     fn an_unnamed_module_is_found() {
-        let paths = [
-            "src/lib.rs",
-            "src/a/mod.rs",
-            "src/a/b.rs",
-            "src/a/io/c.rs",
-            "src/d.rs",
-        ];
+        let paths = ["src/lib.rs", "src/a/mod.rs", "src/a/b.rs", "src/a/io/c.rs", "src/d.rs"];
         let modules = modules(paths.into_iter());
         let names: Vec<_> = modules.iter().map(String::as_str).collect();
         assert_eq!(names, ["a", "a/b", "a/io", "d"]);
-        assert_eq!(
-            unnamed_modules("| `a` | `b` |\n`io`", &modules),
-            ["a/io", "d"]
-        );
+        assert_eq!(unnamed_modules("| `a` | `b` |\n`io`", &modules), ["a/io", "d"]);
     }
 }

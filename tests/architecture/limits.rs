@@ -74,10 +74,7 @@ mod tests {
         let text = format!("trait T {{ fn g(); }}\n{}", of_lines(FUNCTION_LINES + 1));
         let found = long_functions(&source(&text));
         assert_eq!(found.len(), 1);
-        assert_eq!(
-            (found[0].line, found[0].what.as_str()),
-            (2, "fn f has 61 lines")
-        );
+        assert_eq!((found[0].line, found[0].what.as_str()), (2, "fn f has 61 lines"));
     }
 
     #[test]

@@ -76,15 +76,9 @@ fn functions_are_short() {
 #[test]
 fn the_architecture_page_names_every_module() {
     let page = source::read("docs/ARCHITECTURE.md");
-    let paths: Vec<_> = source::tracked_files()
-        .into_iter()
-        .map(|f| f.path)
-        .collect();
+    let paths: Vec<_> = source::tracked_files().into_iter().map(|f| f.path).collect();
     let modules = layers::modules(paths.iter().map(String::as_str));
     assert!(modules.len() > 5, "the modules were not found");
     let unnamed = layers::unnamed_modules(&page, &modules);
-    assert!(
-        unnamed.is_empty(),
-        "docs/ARCHITECTURE.md does not name {unnamed:?}"
-    );
+    assert!(unnamed.is_empty(), "docs/ARCHITECTURE.md does not name {unnamed:?}");
 }

@@ -48,14 +48,7 @@ pub fn unsafe_outside_gpu(file: &SourceFile) -> Vec<Finding> {
 
 /// Ignored tests, forgotten stubs and prints, silenced warnings.
 pub fn unfinished_business(file: &SourceFile) -> Vec<Finding> {
-    let forbidden = [
-        "#[ignore",
-        "todo!",
-        "unimplemented!",
-        "dbg!",
-        "#[allow",
-        "#![allow",
-    ];
+    let forbidden = ["#[ignore", "todo!", "unimplemented!", "dbg!", "#[allow", "#![allow"];
     let code = code_only(&file.text);
     let found = |line: &str| forbidden.iter().find(|word| line.contains(**word)).copied();
     code.lines()
@@ -70,10 +63,7 @@ pub fn machine_paths(file: &SourceFile) -> Vec<Finding> {
     let folders = ["home", "root", "work", "farm", "tmp", "Users"].map(|name| format!("/{name}/"));
     let hosts = [concat!("local", "host"), concat!("127.0", ".0.1")];
     let names_one = |line: &str| {
-        folders
-            .iter()
-            .any(|folder| mentions_root_folder(line, folder))
-            || hosts.iter().any(|host| line.contains(*host))
+        folders.iter().any(|folder| mentions_root_folder(line, folder)) || hosts.iter().any(|host| line.contains(*host))
     };
     file.text
         .lines()
@@ -105,21 +95,12 @@ mod tests {
         let rule = unsafe_without_note;
         assert_eq!(lines(rule, "fn f() {\n    unsafe { g() }\n}"), [2]);
         assert_eq!(lines(rule, "// A comment.\nunsafe { g() }"), [2]);
+        assert_eq!(lines(rule, "// SAFETY: ok.\na;\nb;\nc;\nd;\nunsafe { g() }"), [6]);
         assert_eq!(
-            lines(rule, "// SAFETY: ok.\na;\nb;\nc;\nd;\nunsafe { g() }"),
-            [6]
-        );
-        assert_eq!(
-            lines(
-                rule,
-                "// SAFETY: ok,\n// as it is long.\nlet x =\n    unsafe { g() };"
-            ),
+            lines(rule, "// SAFETY: ok,\n// as it is long.\nlet x =\n    unsafe { g() };"),
             []
         );
-        assert_eq!(
-            lines(rule, "/// # Safety\n/// Never.\npub unsafe fn g() {}"),
-            []
-        );
+        assert_eq!(lines(rule, "/// # Safety\n/// Never.\npub unsafe fn g() {}"), []);
         assert_eq!(lines(rule, "// unsafe\nlet s = \"unsafe\";"), []);
     }
 

@@ -84,11 +84,7 @@ pub fn code_only(text: &str) -> String {
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
         let skipped = blank_length(rest, code.chars().next_back());
-        let length = if skipped == 0 {
-            first.len_utf8()
-        } else {
-            skipped
-        };
+        let length = if skipped == 0 { first.len_utf8() } else { skipped };
         let (piece, tail) = rest.split_at(length);
         if skipped == 0 {
             code.push_str(piece);

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use vcsg::gpu::{
-    Binding, Bindings, Buffer, BufferRole, Command, Elements, Extent, Format, GpuError, Image,
-    ImageCopy, ImageRole, Load, Recording, Region,
+    Binding, Bindings, Buffer, BufferRole, Command, Elements, Extent, Format, GpuError, Image, ImageCopy, ImageRole,
+    Load, Recording, Region,
 };
 
 use crate::support::{float_target, on_device, pass, quad, quad_pipeline, shader};
@@ -26,14 +26,8 @@ fn impossible_objects_are_refused() {
                 limit + 1
             )
         );
-        assert!(
-            new(Format::R8_UNORM, Extent::D3(4, 0, 4)).is_some(),
-            "no texels"
-        );
-        assert!(
-            new(Format::D32_SFLOAT, Extent::D2(4, 4)).is_some(),
-            "an unknown format"
-        );
+        assert!(new(Format::R8_UNORM, Extent::D3(4, 0, 4)).is_some(), "no texels");
+        assert!(new(Format::D32_SFLOAT, Extent::D2(4, 4)).is_some(), "an unknown format");
         let solid = Image::new(
             device,
             "odd",
@@ -68,10 +62,7 @@ fn uniform_data_beyond_the_limit_are_refused() {
         let bytes = u64::from(device.info().limits.uniform_bytes) + 1;
         let buffer = Buffer::new(device, "long", BufferRole::Upload, bytes).expect("a buffer");
         let error = Bindings::new(device, "too much", &[Binding::Uniform(buffer)]).err();
-        assert!(
-            matches!(error, Some(GpuError::TooLarge { .. })),
-            "{error:?}"
-        );
+        assert!(matches!(error, Some(GpuError::TooLarge { .. })), "{error:?}");
         assert!(Bindings::new(device, "nothing", &[]).is_err());
     });
 }
@@ -90,10 +81,7 @@ fn copies_stay_within_their_objects() {
         let buffer = Buffer::new(device, "bytes", BufferRole::Upload, 64).expect("a buffer");
         let readback = Buffer::new(device, "readback", BufferRole::Readback, 64).expect("a buffer");
         let refused = |buffer: &Arc<Buffer>, offset, from, extent| {
-            let region = Region {
-                offset: from,
-                extent,
-            };
+            let region = Region { offset: from, extent };
             let copy = ImageCopy {
                 buffer: Arc::clone(buffer),
                 offset,
@@ -109,27 +97,15 @@ fn copies_stay_within_their_objects() {
         assert!(!refused(&buffer, 0, [0; 3], [4; 3]), "the whole image fits");
         assert!(refused(&buffer, 4, [0; 3], [4; 3]), "beyond the buffer");
         assert!(refused(&buffer, 1, [0; 3], [1; 3]), "an odd offset");
-        assert!(
-            refused(&buffer, 0, [3, 0, 0], [2, 1, 1]),
-            "beyond the image"
-        );
-        assert!(
-            refused(&buffer, 0, [u32::MAX, 0, 0], [2, 1, 1]),
-            "far beyond the image"
-        );
+        assert!(refused(&buffer, 0, [3, 0, 0], [2, 1, 1]), "beyond the image");
+        assert!(refused(&buffer, 0, [u32::MAX, 0, 0], [2, 1, 1]), "far beyond the image");
         assert!(refused(&buffer, 0, [0; 3], [1, 0, 1]), "nothing");
-        assert!(
-            refused(&readback, 0, [0; 3], [4; 3]),
-            "a role that does not allow it"
-        );
+        assert!(refused(&readback, 0, [0; 3], [4; 3]), "a role that does not allow it");
         assert!(
             buffer.write(60, &[0; 5]).is_err() && buffer.write(u64::MAX, &[0]).is_err(),
             "writes beyond the buffer"
         );
-        assert!(
-            buffer.read_vec::<u8>().is_err(),
-            "reads of an upload buffer"
-        );
+        assert!(buffer.read_vec::<u8>().is_err(), "reads of an upload buffer");
     });
 }
 
@@ -148,10 +124,7 @@ fn draws_match_their_pipeline() {
         assert!(!refused(&target, Load::Clear([0.0; 4]), vec![good.clone()]));
         let mut few = good.clone();
         few.push = vcsg::gpu::Push::of(&1.0f32);
-        assert!(
-            refused(&target, Load::Keep, vec![few]),
-            "too few push constants"
-        );
+        assert!(refused(&target, Load::Keep, vec![few]), "too few push constants");
         let mut beyond = good.clone();
         let buffer = Buffer::with_data(device, "indices", &[0u32; 3]).expect("a buffer");
         beyond.elements = Elements::Indices {
@@ -164,26 +137,9 @@ fn draws_match_their_pipeline() {
             "too few indices"
         );
         let extent = Extent::D2(4, 4);
-        let other = Image::new(
-            device,
-            "other",
-            ImageRole::ColorTarget,
-            Format::R8_UNORM,
-            extent,
-        )
-        .expect("an image");
-        assert!(
-            refused(&other, Load::Clear([0.0; 4]), vec![good]),
-            "another format"
-        );
-        let plain = Image::new(
-            device,
-            "plain",
-            ImageRole::Sampled,
-            Format::R8_UNORM,
-            extent,
-        )
-        .expect("an image");
+        let other = Image::new(device, "other", ImageRole::ColorTarget, Format::R8_UNORM, extent).expect("an image");
+        assert!(refused(&other, Load::Clear([0.0; 4]), vec![good]), "another format");
+        let plain = Image::new(device, "plain", ImageRole::Sampled, Format::R8_UNORM, extent).expect("an image");
         assert!(refused(&plain, Load::Clear([0.0; 4]), vec![]), "no target");
     });
 }

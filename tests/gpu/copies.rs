@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use vcsg::gpu::{
-    Buffer, BufferCopy, BufferRole, Command, Device, Extent, Format, Image, ImageCopy, ImageRole,
-    Recording, Region, texel_bytes,
+    Buffer, BufferCopy, BufferRole, Command, Device, Extent, Format, Image, ImageCopy, ImageRole, Recording, Region,
+    texel_bytes,
 };
 
 use crate::support::{on_device, texels_after};
@@ -33,9 +33,10 @@ fn images_come_back_as_they_went() {
         Format::R32G32B32A32_SFLOAT,
     ];
     on_device(|device| {
-        for (format, extent) in formats.into_iter().flat_map(|format| {
-            [Extent::D1(37), Extent::D2(13, 7), Extent::D3(13, 7, 5)].map(|extent| (format, extent))
-        }) {
+        for (format, extent) in formats
+            .into_iter()
+            .flat_map(|format| [Extent::D1(37), Extent::D2(13, 7), Extent::D3(13, 7, 5)].map(|extent| (format, extent)))
+        {
             let texture = image(device, format, extent);
             let data = pattern(extent.texels() * texel_bytes(format).expect("a known format"));
             let staging = Buffer::with_data(device, "staging", &data).expect("a buffer");
@@ -95,13 +96,8 @@ fn buffers_copy_through_the_device_s_own() {
                 bytes,
             })
         };
-        let commands = vec![
-            copy(&source, 0, &middle, 1000),
-            copy(&middle, 300, &seen, 600),
-        ];
-        device
-            .submit(&Recording { commands })
-            .expect("a submission");
+        let commands = vec![copy(&source, 0, &middle, 1000), copy(&middle, 300, &seen, 600)];
+        device.submit(&Recording { commands }).expect("a submission");
         assert_eq!(seen.read_vec::<u8>().expect("bytes"), &data[300..900]);
     });
 }
@@ -110,21 +106,15 @@ fn buffers_copy_through_the_device_s_own() {
 fn the_host_waits_before_it_writes_again() {
     on_device(|device| {
         let texture = image(device, Format::R8_UNORM, Extent::D3(256, 256, 16));
-        let staging =
-            Buffer::new(device, "staging", BufferRole::Upload, texture.bytes()).expect("a buffer");
+        let staging = Buffer::new(device, "staging", BufferRole::Upload, texture.bytes()).expect("a buffer");
         let seen: Vec<_> = (0..4u8)
             .map(|round| {
                 staging.fill(|bytes| bytes.fill(round)).expect("to write");
-                let seen = Buffer::new(device, "seen", BufferRole::Readback, texture.bytes())
-                    .expect("a buffer");
+                let seen = Buffer::new(device, "seen", BufferRole::Readback, texture.bytes()).expect("a buffer");
                 let mut recording = Recording::new();
                 recording.upload(&staging, &texture);
                 recording.read_back(&texture, &seen);
-                (
-                    round,
-                    seen,
-                    device.submit(&recording).expect("a submission"),
-                )
+                (round, seen, device.submit(&recording).expect("a submission"))
             })
             .collect();
         for (round, buffer, _submission) in &seen {

@@ -15,14 +15,8 @@ fn a_device_is_chosen_by_index_name_and_uuid() {
         let first = &devices[0];
         assert_eq!(chosen(&devices, "0"), Ok(first));
         assert_eq!(chosen(&devices, &first.name.to_uppercase()), Ok(first));
-        assert_eq!(
-            chosen(&devices, &format!("uuid:{}", first.uuid_text())),
-            Ok(first)
-        );
-        assert_eq!(
-            chosen(&devices, "default").map(|device| device.missing.len()),
-            Ok(0)
-        );
+        assert_eq!(chosen(&devices, &format!("uuid:{}", first.uuid_text())), Ok(first));
+        assert_eq!(chosen(&devices, "default").map(|device| device.missing.len()), Ok(0));
         let error = chosen(&devices, "no such thing")
             .expect_err("nobody is called so")
             .to_string();
@@ -31,10 +25,7 @@ fn a_device_is_chosen_by_index_name_and_uuid() {
             "{error}"
         );
         assert!(chosen(&devices, "99").is_err());
-        assert!(matches!(
-            chosen(&devices, "uuid:12"),
-            Err(GpuError::BadSelector(_))
-        ));
+        assert!(matches!(chosen(&devices, "uuid:12"), Err(GpuError::BadSelector(_))));
         assert_eq!(chosen(&[], "0"), Err(GpuError::NoDevice));
     });
 }
@@ -65,10 +56,7 @@ fn a_device_that_lacks_something_is_refused_by_its_name() {
             missing.contains(&"blending of BC1_RGBA_UNORM_BLOCK".to_owned()),
             "{missing:?}"
         );
-        assert!(
-            !missing.iter().any(|lack| lack.contains("R8_UNORM")),
-            "{missing:?}"
-        );
+        assert!(!missing.iter().any(|lack| lack.contains("R8_UNORM")), "{missing:?}");
     });
 }
 
@@ -76,9 +64,7 @@ fn a_device_that_lacks_something_is_refused_by_its_name() {
 fn a_device_says_what_it_is() {
     on_device(|device| {
         let info = device.info();
-        assert!(
-            !info.name.is_empty() && !info.driver.is_empty() && info.api_version.starts_with("1.")
-        );
+        assert!(!info.name.is_empty() && !info.driver.is_empty() && info.api_version.starts_with("1."));
         assert!(info.limits.image_dimension_3d >= 2048 && info.limits.push_bytes >= 128);
         assert_eq!(info.uuid_text().len(), 36);
     });

@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use vcsg::gpu::{
-    Attribute, Binding, BindingKind, Bindings, Blend, Buffer, Draw, Elements, Extent, Filter,
-    Format, GraphicsPipeline, Image, ImageRole, Load, PipelineDesc, Push, Recording, Sampler,
-    StepRate, Stream, Topology, VertexInput,
+    Attribute, Binding, BindingKind, Bindings, Blend, Buffer, Draw, Elements, Extent, Filter, Format, GraphicsPipeline,
+    Image, ImageRole, Load, PipelineDesc, Push, Recording, Sampler, StepRate, Stream, Topology, VertexInput,
 };
 
 use crate::support::{float_target, on_device, pass, quad, quad_pipeline, shader, texels_after};
@@ -15,11 +14,7 @@ fn a_pass_clears() {
     on_device(|device| {
         let target = float_target(device, 5);
         let mut recording = Recording::new();
-        recording.render(pass(
-            &target,
-            Load::Clear([0.25, -1.0, 3.0, 1e30]),
-            Vec::new(),
-        ));
+        recording.render(pass(&target, Load::Clear([0.25, -1.0, 3.0, 1e30]), Vec::new()));
         assert_eq!(
             texels_after::<[f32; 4]>(device, &recording, &target),
             [[0.25, -1.0, 3.0, 1e30]; 25]
@@ -32,19 +27,11 @@ fn texels_are_seen_at_their_centres() {
     on_device(|device| {
         // At a centre every weight but one is 0, so nearest and linear agree and are exact (R32_SFLOAT, power-of-two edges).
         for filter in [Filter::Nearest, Filter::Linear] {
-            let values: Vec<f32> = (0..8 * 8 * 4u16)
-                .map(|place| f32::from(place) / 8.0)
-                .collect();
+            let values: Vec<f32> = (0..8 * 8 * 4u16).map(|place| f32::from(place) / 8.0).collect();
             let staging = Buffer::with_data(device, "staging", &values).expect("a buffer");
             let extent = Extent::D3(8, 8, 4);
-            let texture = Image::new(
-                device,
-                "a texture",
-                ImageRole::Sampled,
-                Format::R32_SFLOAT,
-                extent,
-            )
-            .expect("an image");
+            let texture =
+                Image::new(device, "a texture", ImageRole::Sampled, Format::R32_SFLOAT, extent).expect("an image");
             let sampler = Sampler::new(device, filter).expect("a sampler");
             let binding = Binding::SampledImage(Arc::clone(&texture), sampler);
             let bindings = Bindings::new(device, "the texture", &[binding]).expect("bindings");
@@ -59,11 +46,7 @@ fn texels_are_seen_at_their_centres() {
                 recording.render(pass(&target, Load::Clear([0.0; 4]), vec![draw]));
                 let seen = texels_after::<[f32; 4]>(device, &recording, &target);
                 let seen: Vec<f32> = seen.iter().map(|color| color[0]).collect();
-                assert_eq!(
-                    seen,
-                    values[64 * usize::from(z)..][..64],
-                    "{filter:?}, z = {z}"
-                );
+                assert_eq!(seen, values[64 * usize::from(z)..][..64], "{filter:?}, z = {z}");
             }
         }
     });
@@ -93,18 +76,10 @@ fn instances_take_their_element_and_their_number() {
         };
         let pipeline = GraphicsPipeline::new(device, &desc).expect("a pipeline");
         let pixel = |element: u8| (element % 8, element / 2);
-        let element = |number| {
-            [
-                0.0,
-                0.0,
-                f32::from(pixel(number).0),
-                f32::from(pixel(number).1),
-            ]
-        };
+        let element = |number| [0.0, 0.0, f32::from(pixel(number).0), f32::from(pixel(number).1)];
         let pixels: Vec<[f32; 4]> = (0..9).map(element).collect();
         let buffer = Buffer::with_data(device, "pixels", &pixels).expect("a buffer");
-        let indices =
-            Buffer::with_data(device, "indices", &[9u32, 9, 0, 1, 2, 2, 1, 3]).expect("a buffer");
+        let indices = Buffer::with_data(device, "indices", &[9u32, 9, 0, 1, 2, 2, 1, 3]).expect("a buffer");
         let target = float_target(device, 8);
         let draw = Draw {
             pipeline,
@@ -127,10 +102,7 @@ fn instances_take_their_element_and_their_number() {
             expected[usize::from(x + 8 * y)] = f32::from(number);
         }
         let seen = texels_after::<[f32; 4]>(device, &recording, &target);
-        assert_eq!(
-            seen.iter().map(|color| color[0]).collect::<Vec<_>>(),
-            expected
-        );
+        assert_eq!(seen.iter().map(|color| color[0]).collect::<Vec<_>>(), expected);
     });
 }
 
@@ -139,11 +111,7 @@ fn ten_thousand_draws_each_count_once() {
     on_device(|device| {
         let add = &[(Format::R32G32B32A32_SFLOAT, Some(Blend::Add))];
         let pipelines: Vec<_> = (0..2)
-            .map(|_| {
-                quad_pipeline(device, shader("color.frag"), |desc| {
-                    desc.color_targets = add
-                })
-            })
+            .map(|_| quad_pipeline(device, shader("color.frag"), |desc| desc.color_targets = add))
             .collect();
         let draws: Vec<_> = (0..10_000u16)
             .map(|number| {

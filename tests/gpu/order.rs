@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use vcsg::gpu::{
-    Binding, BindingKind, Bindings, Blend, Extent, Filter, Format, Image, ImageRole, Load,
-    Recording, Sampler,
+    Binding, BindingKind, Bindings, Blend, Extent, Filter, Format, Image, ImageRole, Load, Recording, Sampler,
 };
 
 use crate::support::{float_target, on_device, pass, quad, quad_pipeline, shader, texels_after};
@@ -13,9 +12,7 @@ use crate::support::{float_target, on_device, pass, quad, quad_pipeline, shader,
 fn a_pass_split_in_many_is_the_same_picture() {
     on_device(|device| {
         let over = &[(Format::R32G32B32A32_SFLOAT, Some(Blend::Over))];
-        let pipeline = quad_pipeline(device, shader("color.frag"), |desc| {
-            desc.color_targets = over
-        });
+        let pipeline = quad_pipeline(device, shader("color.frag"), |desc| desc.color_targets = over);
         let layers: Vec<_> = (0..12u8)
             .map(|layer| quad(&pipeline, None, [f32::from(layer % 3) / 4.0, 0.5, 0.0, 0.5]))
             .collect();
@@ -62,18 +59,10 @@ fn a_target_is_sampled_by_the_next_pass() {
             desc.bindings = &[BindingKind::SampledImage]
         });
         let mut recording = Recording::new();
-        recording.render(pass(
-            &images[0],
-            Load::Clear([1.0, 2.0, 3.0, 4.0]),
-            Vec::new(),
-        ));
+        recording.render(pass(&images[0], Load::Clear([1.0, 2.0, 3.0, 4.0]), Vec::new()));
         for round in 0..6 {
             let draw = quad(&pipeline, Some(&bindings[round % 2]), [1.0, 0.0, 0.5, 0.0]);
-            recording.render(pass(
-                &images[(round + 1) % 2],
-                Load::Clear([0.0; 4]),
-                vec![draw],
-            ));
+            recording.render(pass(&images[(round + 1) % 2], Load::Clear([0.0; 4]), vec![draw]));
         }
         let submission = device.submit(&recording).expect("a submission");
         assert_eq!(submission.pass_times().expect("times").len() % 7, 0);

@@ -3,9 +3,9 @@
 use std::sync::{Arc, OnceLock};
 
 use vcsg::gpu::{
-    Bindings, Buffer, BufferRole, Device, DeviceSelector, Draw, Elements, Extent, Feature, Format,
-    GraphicsPipeline, Image, ImageRole, Instance, Load, PipelineDesc, Push, Recording, RenderPass,
-    Requirements, Target, Topology, Validation,
+    Bindings, Buffer, BufferRole, Device, DeviceSelector, Draw, Elements, Extent, Feature, Format, GraphicsPipeline,
+    Image, ImageRole, Instance, Load, PipelineDesc, Push, Recording, RenderPass, Requirements, Target, Topology,
+    Validation,
 };
 
 mod shaders {
@@ -37,8 +37,7 @@ pub const REQUIREMENTS: Requirements = Requirements {
 pub fn on_device(test: impl FnOnce(&Arc<Device>)) {
     static DEVICE: OnceLock<Arc<Device>> = OnceLock::new();
     let device = DEVICE.get_or_init(|| {
-        let instance = Instance::new(Validation::On)
-            .unwrap_or_else(|error| panic!("{error}: run `make setup`"));
+        let instance = Instance::new(Validation::On).unwrap_or_else(|error| panic!("{error}: run `make setup`"));
         let device = Device::open(&instance, &DeviceSelector::Default, &REQUIREMENTS);
         device.unwrap_or_else(|error| panic!("{error}: run `make setup`"))
     });
@@ -77,11 +76,7 @@ pub fn quad_pipeline<'a>(
     GraphicsPipeline::new(device, &desc).expect("a pipeline")
 }
 
-pub fn quad(
-    pipeline: &Arc<GraphicsPipeline>,
-    bindings: Option<&Arc<Bindings>>,
-    push: [f32; 4],
-) -> Draw {
+pub fn quad(pipeline: &Arc<GraphicsPipeline>, bindings: Option<&Arc<Bindings>>, push: [f32; 4]) -> Draw {
     Draw {
         pipeline: Arc::clone(pipeline),
         bindings: bindings.cloned(),
@@ -103,18 +98,10 @@ pub fn pass(image: &Arc<Image>, load: Load, draws: Vec<Draw>) -> RenderPass {
 }
 
 /// Does `recording`, and returns the texels that `image` then has.
-pub fn texels_after<T: bytemuck::Pod>(
-    device: &Arc<Device>,
-    recording: &Recording,
-    image: &Arc<Image>,
-) -> Vec<T> {
+pub fn texels_after<T: bytemuck::Pod>(device: &Arc<Device>, recording: &Recording, image: &Arc<Image>) -> Vec<T> {
     let seen = Buffer::new(device, "seen", BufferRole::Readback, image.bytes()).expect("a buffer");
     let mut recording = recording.clone();
     recording.read_back(image, &seen);
-    device
-        .submit(&recording)
-        .expect("a submission")
-        .wait()
-        .expect("an end");
+    device.submit(&recording).expect("a submission").wait().expect("an end");
     seen.read_vec().expect("the texels")
 }

@@ -15,9 +15,7 @@ fn nothing_outside(tree: &Tree, bounds: &Aabb, points: &[DVec3]) -> Result<(), S
         .iter()
         .filter(|&&p| !rounded.contains(p))
         .find(|&&p| tree.sample(p).coverage > 0.0)
-        .map_or(Ok(()), |p| {
-            Err(format!("{p} is covered, outside {bounds:?}"))
-        })
+        .map_or(Ok(()), |p| Err(format!("{p} is covered, outside {bounds:?}")))
 }
 
 /// The tree snaps the entries of a leaf's map by up to 1e-9, so at coordinates up to `m` mm a leaf is off by up to
@@ -53,10 +51,7 @@ fn world_tree(scene: &Scene) -> (Tree, Aabb) {
 }
 
 fn fractions() -> impl Strategy<Value = Vec<DVec3>> {
-    prop::collection::vec(
-        prop::array::uniform3(0.0f64..=1.0).prop_map(DVec3::from),
-        60,
-    )
+    prop::collection::vec(prop::array::uniform3(0.0f64..=1.0).prop_map(DVec3::from), 60)
 }
 
 proptest! {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Viewpoint};
 use vcsg::model::Boundary;
-use vcsg::projection::{Visibility, VisibleValues};
+use vcsg::projection::{DrawCost, Visibility, VisibleValues};
 use vcsg::target::{Block, BlockVoxels, CellRanges, Cube, Layout, Target};
 
 use crate::support::parts::direction;
@@ -42,9 +42,7 @@ fn back_to_front(boxes: &[Aabb], viewpoint: Viewpoint, rays: &[DVec3]) -> Result
                 continue;
             }
             if exit > nearest {
-                return Err(format!(
-                    "{b:?} is drawn after what it hides, along {along} from {from}"
-                ));
+                return Err(format!("{b:?} is drawn after what it hides, along {along} from {from}"));
             }
             nearest = entry;
         }
@@ -57,16 +55,9 @@ fn passage(b: &Aabb, from: DVec3, along: DVec3, begin: f64) -> (f64, f64) {
     (0..3).fold((begin, f64::INFINITY), |(entry, exit), a| {
         if along[a] == 0.0 {
             let within = b.min[a] < from[a] && from[a] < b.max[a];
-            return if within {
-                (entry, exit)
-            } else {
-                (f64::INFINITY, exit)
-            };
+            return if within { (entry, exit) } else { (f64::INFINITY, exit) };
         }
-        let (t0, t1) = (
-            (b.min[a] - from[a]) / along[a],
-            (b.max[a] - from[a]) / along[a],
-        );
+        let (t0, t1) = ((b.min[a] - from[a]) / along[a], (b.max[a] - from[a]) / along[a]);
         (entry.max(t0.min(t1)), exit.min(t0.max(t1)))
     })
 }
@@ -92,17 +83,11 @@ fn in_lattice(viewpoint: Viewpoint, bounds: &Aabb) -> Viewpoint {
 }
 
 fn fractions() -> impl Strategy<Value = Vec<DVec3>> {
-    prop::collection::vec(
-        prop::array::uniform3(0.0f64..=1.0).prop_map(DVec3::from),
-        80,
-    )
+    prop::collection::vec(prop::array::uniform3(0.0f64..=1.0).prop_map(DVec3::from), 80)
 }
 
 fn rays(bounds: &Aabb, fractions: &[DVec3]) -> Vec<DVec3> {
-    fractions
-        .iter()
-        .map(|f| bounds.min + bounds.size() * f)
-        .collect()
+    fractions.iter().map(|f| bounds.min + bounds.size() * f).collect()
 }
 
 proptest! {
@@ -119,7 +104,7 @@ proptest! {
         let target = scene.target(&subdivision);
         let cells = cells_of(&target);
         let values = VisibleValues::all(target.value_range);
-        let visibility = Visibility { target: &target, cells: &cells, values: &values, min_cube };
+        let visibility = Visibility { target: &target, cells: &cells, values: &values, min_cube, cost: DrawCost::VOXELS };
         let bounds = target.lattice.bounds();
         let viewpoint = in_lattice(viewpoint, &bounds);
         let boxes = boxes(&target, &visibility.cubes_back_to_front(viewpoint));
@@ -138,6 +123,7 @@ fn two_swapped_boxes_are_seen() {
             cells: &cells,
             values: &values,
             min_cube: 8,
+            cost: DrawCost::VOXELS,
         };
         let bounds = target.lattice.bounds();
         let rays = rays(&bounds, &seeded(&fractions(), seed));

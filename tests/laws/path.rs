@@ -41,14 +41,9 @@ fn block_follows(target: &Target, block: &Block, tree: &Tree) -> Result<(), Stri
             continue;
         };
         let truth = tree.sample(at(voxel));
-        let found = (
-            stored.premultiplied[n],
-            stored.coverage.as_ref().map_or(1.0, |c| c[n]),
-        );
+        let found = (stored.premultiplied[n], stored.coverage.as_ref().map_or(1.0, |c| c[n]));
         if !same_bits(found.0, truth.premultiplied()) || !same_bits(found.1, truth.coverage) {
-            return Err(format!(
-                "voxel {voxel:?} of {block:?} is {found:?}, not {truth:?}"
-            ));
+            return Err(format!("voxel {voxel:?} of {block:?} is {found:?}, not {truth:?}"));
         }
     }
     Ok(())
@@ -163,10 +158,7 @@ fn swapped(scene: &Scene) -> Scene {
     nodes.into_iter().for_each(|node| {
         model.push(node);
     });
-    Scene {
-        model,
-        ..scene.clone()
-    }
+    Scene { model, ..scene.clone() }
 }
 
 #[test]
@@ -202,11 +194,7 @@ fn a_shift_by_one_voxel_is_seen() {
 #[test]
 fn a_path_without_its_last_step_is_seen() {
     let (_, mut target) = example();
-    let longest = target
-        .paths
-        .iter_mut()
-        .max_by_key(|p| p.len())
-        .expect("a path");
+    let longest = target.paths.iter_mut().max_by_key(|p| p.len()).expect("a path");
     longest.pop();
     assert!(blocks_follow(&target, &target.tree).is_err());
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::image::Frame;
 use vcsg::model::Boundary;
-use vcsg::projection::{FrameSpec, Mode, Settings, Visibility, VisibleValues, reference};
+use vcsg::projection::{DrawCost, FrameSpec, Mode, Settings, Visibility, VisibleValues, reference};
 use vcsg::target::{Cube, OctreeNode, Subdivision, Target, VoxelTarget};
 
 use crate::order::cells_of;
@@ -22,11 +22,7 @@ struct Picture {
 }
 
 fn picture() -> impl Strategy<Value = Picture> {
-    (eye(), look(), settings()).prop_map(|(eye, look, settings)| Picture {
-        eye,
-        look,
-        settings,
-    })
+    (eye(), look(), settings()).prop_map(|(eye, look, settings)| Picture { eye, look, settings })
 }
 
 impl Picture {
@@ -41,17 +37,12 @@ impl Picture {
     }
 
     fn reference(&self, target: &Target) -> Frame {
-        self.of(target, |spec| {
-            reference::render(&VoxelTarget::new(target), spec)
-        })
+        self.of(target, |spec| reference::render(&VoxelTarget::new(target), spec))
     }
 
     /// The frame made only of samples in `cubes`.
     fn within(&self, target: &Target, cubes: &[Cube]) -> Frame {
-        let bounds: Vec<_> = cubes
-            .iter()
-            .map(|c| c.bounds(c.extent(target.lattice.dims)))
-            .collect();
+        let bounds: Vec<_> = cubes.iter().map(|c| c.bounds(c.extent(target.lattice.dims))).collect();
         let shown = |p: DVec3| bounds.iter().any(|b| b.contains(p));
         self.of(target, |spec| {
             reference::render_where(&VoxelTarget::new(target), spec, &shown)
@@ -72,6 +63,7 @@ impl Picture {
                 cells: &cells,
                 values: &values,
                 min_cube: 8,
+                cost: DrawCost::VOXELS,
             };
             let lattice_from_world = target.lattice.world_from_lattice.inverse();
             let viewpoint = spec.camera.viewpoint().transformed(&lattice_from_world);

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, affine};
 use vcsg::model::Boundary;
-use vcsg::projection::{Camera, Planes, Slice, SlicePlan, Visibility, VisibleValues};
+use vcsg::projection::{Camera, DrawCost, Planes, Slice, SlicePlan, Visibility, VisibleValues};
 use vcsg::target::{Cube, Target};
 
 use crate::order::cells_of;
@@ -37,6 +37,7 @@ impl Planned {
             cells: &cells,
             values: &values,
             min_cube: 8,
+            cost: DrawCost::VOXELS,
         };
         let planes = Planes::new(&target.lattice, &camera, samples_per_voxel);
         let plan = SlicePlan::new(&visibility, &camera, planes);
@@ -70,11 +71,7 @@ impl Planned {
             let eye = affine::point(&self.plan.eye_from_lattice, b.min + b.size() * *f);
             eye.with_z(self.plan.planes.depth(self.plane_at(eye.z)))
         };
-        let boxes = self
-            .boxes
-            .iter()
-            .cycle()
-            .take(fractions.len().max(self.boxes.len()));
+        let boxes = self.boxes.iter().cycle().take(fractions.len().max(self.boxes.len()));
         fractions.iter().cycle().zip(boxes).map(place).collect()
     }
 
@@ -90,19 +87,14 @@ impl Planned {
             return Some(0);
         }
         let px = self.camera.project(eye);
-        let size = DVec2::new(
-            f64::from(self.camera.size[0]),
-            f64::from(self.camera.size[1]),
-        );
+        let size = DVec2::new(f64::from(self.camera.size[0]), f64::from(self.camera.size[1]));
         let in_frame = px.cmpge(DVec2::ZERO).all() && px.cmple(size).all();
         (in_frame || inside == 0).then_some(inside)
     }
 
     fn covering(&self, eye: DVec3) -> usize {
         let plane = self.plane_at(eye.z);
-        let covers = |slice: &&Slice| {
-            self.plane_of(slice) == plane && holds(&self.seen(slice), eye.truncate())
-        };
+        let covers = |slice: &&Slice| self.plane_of(slice) == plane && holds(&self.seen(slice), eye.truncate());
         self.plan.slices.iter().filter(covers).count()
     }
 
@@ -119,9 +111,7 @@ impl Planned {
             };
             let found = self.covering(eye);
             if found != wanted {
-                return Err(format!(
-                    "{found} polygons instead of {wanted} at {eye} (eye frame)"
-                ));
+                return Err(format!("{found} polygons instead of {wanted} at {eye} (eye frame)"));
             }
         }
         Ok(())
@@ -155,9 +145,7 @@ impl Planned {
         for v in self.plan.polygon(slice) {
             let z = affine::point(&self.plan.eye_from_lattice, v).z;
             if !beyond.contains(v) || (z - depth).abs() > NEAR {
-                return Err(format!(
-                    "vertex {v} at depth {z} of {bounds:?}, plane {depth}"
-                ));
+                return Err(format!("vertex {v} at depth {z} of {bounds:?}, plane {depth}"));
             }
         }
         let section = self.clipped(&bounds, depth);
@@ -165,18 +153,13 @@ impl Planned {
         // Each vertex is off by NEAR at most, so the area by NEAR times the circumference, which is below 8 diagonals.
         let diagonal = self.eye_size(&bounds);
         if (found - wanted).abs() > NEAR * 8.0 * diagonal {
-            return Err(format!(
-                "area {found} instead of {wanted} in {bounds:?} at {depth}"
-            ));
+            return Err(format!("area {found} instead of {wanted} in {bounds:?} at {depth}"));
         }
         Ok(())
     }
 
     fn eye_size(&self, bounds: &Aabb) -> f64 {
-        bounds
-            .transformed(&self.plan.eye_from_lattice)
-            .size()
-            .length()
+        bounds.transformed(&self.plan.eye_from_lattice).size().length()
     }
 
     /// A square of the plane at `depth`, larger than the box, clipped by the box's six faces (Sutherland and Hodgman 1974).
@@ -199,9 +182,7 @@ impl Planned {
                 bounds.max[axis] - p[axis]
             }
         };
-        let polygon = (0..6).fold(square.to_vec(), |polygon, face| {
-            clip(&polygon, |p| within(face, p))
-        });
+        let polygon = (0..6).fold(square.to_vec(), |polygon, face| clip(&polygon, |p| within(face, p)));
         polygon.into_iter().map(|p| p.truncate()).collect()
     }
 }
@@ -236,19 +217,12 @@ fn area(polygon: &[DVec2]) -> f64 {
 /// Whether a convex polygon holds `p`.
 fn holds(polygon: &[DVec2], p: DVec2) -> bool {
     let next = polygon.iter().cycle().skip(1);
-    let turns: Vec<f64> = polygon
-        .iter()
-        .zip(next)
-        .map(|(a, b)| (b - a).perp_dot(p - a))
-        .collect();
+    let turns: Vec<f64> = polygon.iter().zip(next).map(|(a, b)| (b - a).perp_dot(p - a)).collect();
     polygon.len() > 2 && (turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0))
 }
 
 fn fractions() -> impl Strategy<Value = Vec<DVec3>> {
-    prop::collection::vec(
-        prop::array::uniform3(-0.3f64..1.3).prop_map(DVec3::from),
-        60,
-    )
+    prop::collection::vec(prop::array::uniform3(-0.3f64..1.3).prop_map(DVec3::from), 60)
 }
 
 proptest! {
@@ -273,10 +247,7 @@ proptest! {
 }
 
 /// How many of some plans fail `check` after `mutate`.
-fn seen(
-    mutate: impl Fn(&mut SlicePlan),
-    check: impl Fn(&Planned, &[DVec3]) -> Result<(), String>,
-) -> usize {
+fn seen(mutate: impl Fn(&mut SlicePlan), check: impl Fn(&Planned, &[DVec3]) -> Result<(), String>) -> usize {
     let fails = |seed: &u64| {
         let target = seeded(&scene(), *seed).target(&seeded(&subdivision(Boundary::Exact), *seed));
         let camera = seeded(&eye(), *seed).camera(&target.lattice.world_bounds());
@@ -295,20 +266,12 @@ fn lost_doubled_swapped_and_shifted_slices_are_seen() {
     let covered = |planned: &Planned, samples: &[DVec3]| planned.samples_are_covered_once(samples);
     let ordered = |planned: &Planned, _: &[DVec3]| planned.runs_from_far_to_near();
     let exact = |planned: &Planned, _: &[DVec3]| planned.polygons_are_exact();
-    assert_eq!(
-        seen(|_| (), covered) + seen(|_| (), ordered) + seen(|_| (), exact),
-        0
-    );
+    assert_eq!(seen(|_| (), covered) + seen(|_| (), ordered) + seen(|_| (), exact), 0);
     let every_second = |plan: &mut SlicePlan| {
         plan.slices = plan.slices.iter().copied().step_by(2).collect();
     };
-    let doubled =
-        |plan: &mut SlicePlan| plan.slices = plan.slices.iter().flat_map(|s| [*s; 2]).collect();
-    let moved = |plan: &mut SlicePlan| {
-        plan.slices
-            .iter_mut()
-            .for_each(|s| s.t_mm += 0.2 * plan.planes.step_mm)
-    };
+    let doubled = |plan: &mut SlicePlan| plan.slices = plan.slices.iter().flat_map(|s| [*s; 2]).collect();
+    let moved = |plan: &mut SlicePlan| plan.slices.iter_mut().for_each(|s| s.t_mm += 0.2 * plan.planes.step_mm);
     for (mistake, found) in [
         ("lost", seen(every_second, covered)),
         ("doubled", seen(doubled, covered)),

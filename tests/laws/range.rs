@@ -20,9 +20,7 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
                 let leaf = tree.leaf(i);
                 match &leaf.source {
                     Source::Primitive { value, .. } => Sample::solid(*value),
-                    Source::Volume(_) => {
-                        leaf.sample_inside(affine::point(&leaf.local_from_frame, p))
-                    }
+                    Source::Volume(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, p)),
                 }
             }
             Step::Leaf(i) => {
@@ -41,8 +39,7 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
             }
             Step::Combine(i) => {
                 let second = stack.pop().expect("two operands");
-                tree.operator(i)
-                    .apply(stack.pop().expect("two operands"), second)
+                tree.operator(i).apply(stack.pop().expect("two operands"), second)
             }
         };
         stack.push(sample);
@@ -63,10 +60,7 @@ fn pruned_holds(tree: &Tree, pruned: &Pruned, points: &[DVec3]) -> Result<(), St
     for &p in points {
         let (truth, found) = (tree.sample(p), run(tree, &pruned.steps, p));
         if !same_bits(truth.value, found.value) || truth.coverage != found.coverage {
-            return Err(format!(
-                "{found:?} at {p}, not {truth:?}, by {:?}",
-                pruned.steps
-            ));
+            return Err(format!("{found:?} at {p}, not {truth:?}, by {:?}", pruned.steps));
         }
         if !allows(&pruned.range, truth) {
             return Err(format!("{truth:?} at {p} is not in {:?}", pruned.range));
@@ -164,8 +158,7 @@ mod mistakes {
     }
 
     fn pruned_with(scene: &Scene, seed: u64, mutate: impl Fn(&mut Pruned)) -> Result<(), String> {
-        let tree =
-            Tree::new(&scene.model, &scene.lattice.world_from_lattice).expect("a small tree");
+        let tree = Tree::new(&scene.model, &scene.lattice.world_from_lattice).expect("a small tree");
         let (region, points) = seeded(&region(), seed);
         let map = |p| in_lattice(&scene.lattice.bounds(), p);
         let region = Aabb::new(map(region.min), map(region.max));
@@ -194,19 +187,13 @@ mod mistakes {
 
     #[test]
     fn narrowed_ranges_are_seen() {
-        assert!(seen(|s, seed| pruned_with(s, seed, |p| p
-            .range
-            .coverage
-            .hi = 0.5)));
+        assert!(seen(|s, seed| pruned_with(s, seed, |p| p.range.coverage.hi = 0.5)));
         assert!(seen(|s, seed| pruned_with(s, seed, |p| {
             p.range.value.hi -= 0.1 * p.range.value.width() + 1.0;
         })));
         assert!(seen(|scene, seed| {
             let mut target = scene.target(&seeded(&subdivision(Boundary::Exact), seed));
-            target
-                .blocks
-                .iter_mut()
-                .for_each(|b| b.range.value.lo += 1.0);
+            target.blocks.iter_mut().for_each(|b| b.range.value.lo += 1.0);
             block_ranges_hold(&target)
         }));
     }

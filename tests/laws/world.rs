@@ -36,10 +36,7 @@ fn agrees(model: &Model, lattice: &Lattice, tree: &Tree, at: DVec3) -> Option<Re
 }
 
 fn points() -> impl Strategy<Value = Vec<DVec3>> {
-    prop::collection::vec(
-        prop::array::uniform3(0.0f64..=1.0).prop_map(DVec3::from),
-        200,
-    )
+    prop::collection::vec(prop::array::uniform3(0.0f64..=1.0).prop_map(DVec3::from), 200)
 }
 
 proptest! {
@@ -61,8 +58,7 @@ fn nearly_all_points_are_decided_and_many_are_covered() {
     let (mut decided, mut covered) = (0, 0);
     for seed in 0..100 {
         let (scene, points) = (seeded(&scene(), seed), seeded(&points(), seed));
-        let tree =
-            Tree::new(&scene.model, &scene.lattice.world_from_lattice).expect("a small tree");
+        let tree = Tree::new(&scene.model, &scene.lattice.world_from_lattice).expect("a small tree");
         for p in points {
             decided += usize::from(agrees(&scene.model, &scene.lattice, &tree, p).is_some());
             let at = scene.lattice.bounds().min + scene.lattice.bounds().size() * p;

@@ -56,12 +56,8 @@ impl Header {
         let little = Self::new(dim, datatype);
         let mut big = little.clone();
         big.big = true;
-        let fields = [(0, 4)]
-            .into_iter()
-            .chain((40..56).step_by(2).map(|at| (at, 2)));
-        let fields = fields
-            .chain([(70, 2)])
-            .chain((76..112).step_by(4).map(|at| (at, 4)));
+        let fields = [(0, 4)].into_iter().chain((40..56).step_by(2).map(|at| (at, 2)));
+        let fields = fields.chain([(70, 2)]).chain((76..112).step_by(4).map(|at| (at, 4)));
         for (at, size) in fields {
             big.bytes[at..at + size].reverse();
         }
@@ -83,10 +79,7 @@ impl Header {
         let q = if q.w < 0.0 { -q } else { q };
         self.i16(252, 1);
         self.f32(76, qfac);
-        for (n, v) in [q.x, q.y, q.z, origin.x, origin.y, origin.z]
-            .into_iter()
-            .enumerate()
-        {
+        for (n, v) in [q.x, q.y, q.z, origin.x, origin.y, origin.z].into_iter().enumerate() {
             self.f32(256 + 4 * n, v as f32);
         }
     }

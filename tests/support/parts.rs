@@ -110,21 +110,15 @@ fn window() -> impl Strategy<Value = Interval> {
 
 /// Points within some 12 mm of the origin, often on a half-integer.
 pub fn point() -> impl Strategy<Value = DVec3> {
-    let coordinate = || {
-        prop_oneof![
-            -12.0f64..12.0,
-            (-24i32..24).prop_map(|n| f64::from(n) / 2.0)
-        ]
-    };
+    let coordinate = || prop_oneof![-12.0f64..12.0, (-24i32..24).prop_map(|n| f64::from(n) / 2.0)];
     [coordinate(), coordinate(), coordinate()].prop_map(DVec3::from)
 }
 
 /// Unit vectors, often along an axis.
 pub fn direction() -> impl Strategy<Value = DVec3> {
-    let free = prop::array::uniform3(-1.0f64..1.0)
-        .prop_map(|v| DVec3::from(v).try_normalize().unwrap_or(DVec3::X));
-    let axis = (0usize..3, any::<bool>())
-        .prop_map(|(axis, positive)| DVec3::AXES[axis] * if positive { 1.0 } else { -1.0 });
+    let free = prop::array::uniform3(-1.0f64..1.0).prop_map(|v| DVec3::from(v).try_normalize().unwrap_or(DVec3::X));
+    let axis =
+        (0usize..3, any::<bool>()).prop_map(|(axis, positive)| DVec3::AXES[axis] * if positive { 1.0 } else { -1.0 });
     prop_oneof![2 => free, 1 => axis]
 }
 
@@ -153,13 +147,8 @@ pub fn value_map() -> impl Strategy<Value = ValueMap> {
         ValueMap::Table(rising.collect())
     });
     prop_oneof![
-        (-2.0f32..2.0, -50.0f32..50.0)
-            .prop_map(|(scale, offset)| ValueMap::Linear { scale, offset }),
-        (-0.01f32..0.01, -1.0f32..1.0, -50.0f32..50.0).prop_map(|(a, b, c)| ValueMap::Quadratic {
-            a,
-            b,
-            c
-        }),
+        (-2.0f32..2.0, -50.0f32..50.0).prop_map(|(scale, offset)| ValueMap::Linear { scale, offset }),
+        (-0.01f32..0.01, -1.0f32..1.0, -50.0f32..50.0).prop_map(|(a, b, c)| ValueMap::Quadratic { a, b, c }),
         table,
     ]
 }
@@ -192,8 +181,7 @@ pub fn operator() -> impl Strategy<Value = Operator> {
 
 /// Whole-voxel shifts of some 12 voxels.
 pub fn shift() -> impl Strategy<Value = DAffine3> {
-    prop::array::uniform3(-12i32..12)
-        .prop_map(|by| DAffine3::from_translation(DVec3::from(by.map(f64::from))))
+    prop::array::uniform3(-12i32..12).prop_map(|by| DAffine3::from_translation(DVec3::from(by.map(f64::from))))
 }
 
 /// Rigid and mirroring maps of the axes onto one another, shifts, and free maps with scale and shear.
@@ -220,18 +208,16 @@ fn quarter_turn(axis: usize) -> DAffine3 {
 fn free() -> impl Strategy<Value = DAffine3> {
     let spacing = prop::array::uniform3(0.5f64..1.8);
     let shear = prop::array::uniform3(-0.4f64..0.4);
-    (direction(), -3.1f64..3.1, spacing, shear, point()).prop_map(
-        |(axis, angle, spacing, shear, translation)| {
-            let sheared = DMat3::from_cols(
-                DVec3::X,
-                DVec3::new(shear[0], 1.0, 0.0),
-                DVec3::new(shear[1], shear[2], 1.0),
-            );
-            let turned = DMat3::from_quat(DQuat::from_axis_angle(axis, angle));
-            DAffine3 {
-                matrix3: turned * sheared * DMat3::from_diagonal(spacing.into()),
-                translation,
-            }
-        },
-    )
+    (direction(), -3.1f64..3.1, spacing, shear, point()).prop_map(|(axis, angle, spacing, shear, translation)| {
+        let sheared = DMat3::from_cols(
+            DVec3::X,
+            DVec3::new(shear[0], 1.0, 0.0),
+            DVec3::new(shear[1], shear[2], 1.0),
+        );
+        let turned = DMat3::from_quat(DQuat::from_axis_angle(axis, angle));
+        DAffine3 {
+            matrix3: turned * sheared * DMat3::from_diagonal(spacing.into()),
+            translation,
+        }
+    })
 }

@@ -6,8 +6,7 @@ use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use vcsg::math::Aabb;
 use vcsg::model::{
-    BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Plane, Shape, Tree,
-    ValueMap, ValueRule,
+    BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Plane, Shape, Tree, ValueMap, ValueRule,
 };
 use vcsg::target::{Lattice, Subdivision, Target};
 
@@ -107,11 +106,7 @@ impl Scene {
         let root = builder.push(&part);
         let model = bounded(builder.model.rooted_at(root));
         let lattice = small_lattice(&model);
-        Self {
-            part,
-            model,
-            lattice,
-        }
+        Self { part, model, lattice }
     }
 
     /// The scene's target.
@@ -128,10 +123,7 @@ fn bounded(mut model: Model) -> Model {
         (BooleanOp::Union, ball())
     } else if !bounds.is_finite() {
         let shape = Shape::Box(Aabb::new(DVec3::splat(-13.0), DVec3::splat(11.5)));
-        (
-            BooleanOp::Intersection,
-            Node::Primitive { shape, value: 1.0 },
-        )
+        (BooleanOp::Intersection, Node::Primitive { shape, value: 1.0 })
     } else {
         return model;
     };
@@ -158,8 +150,8 @@ fn small_lattice(model: &Model) -> Lattice {
 /// Random scenes: freely placed, or with all volumes on one lattice.
 pub fn scene() -> impl Strategy<Value = Scene> {
     let free = tree(parts::placement().boxed(), true);
-    let aligned = parts::placement()
-        .prop_flat_map(|frame| tree(parts::shift().prop_map(move |by| frame * by).boxed(), false));
+    let aligned =
+        parts::placement().prop_flat_map(|frame| tree(parts::shift().prop_map(move |by| frame * by).boxed(), false));
     prop_oneof![2 => free, 1 => aligned].prop_map(Scene::new)
 }
 

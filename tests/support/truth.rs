@@ -6,9 +6,7 @@
 
 use glam::DVec3;
 use vcsg::math::{Aabb, Interval};
-use vcsg::model::{
-    BooleanOp, Combine, Model, Node, NodeId, Shape, ValueMap, ValueRule, VolumeLeaf,
-};
+use vcsg::model::{BooleanOp, Combine, Model, Node, NodeId, Shape, ValueMap, ValueRule, VolumeLeaf};
 use vcsg::volume::Bricks;
 
 /// How far a leaf's own coordinates in the tree may be from these, in its units. The tree snaps a map's entries by up to
@@ -35,10 +33,7 @@ pub struct Undecided;
 /// The node `id` of `model` at `p`, a point of the node's parent's frame.
 pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
     match model.node(id) {
-        Node::Volume(leaf) => volume(
-            leaf,
-            leaf.bricks.world_from_index().inverse().transform_point3(p),
-        ),
+        Node::Volume(leaf) => volume(leaf, leaf.bricks.world_from_index().inverse().transform_point3(p)),
         Node::Primitive { shape, value } => Ok(side(depth_within(shape, p))?.then_some(Bounded {
             value: f64::from(*value),
             error: 0.0,
@@ -46,11 +41,7 @@ pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
         Node::Transform {
             child,
             parent_from_child,
-        } => sample(
-            model,
-            *child,
-            parent_from_child.inverse().transform_point3(p),
-        ),
+        } => sample(model, *child, parent_from_child.inverse().transform_point3(p)),
         Node::Transfer { child, map } => Ok(sample(model, *child, p)?.map(|v| mapped(map, v))),
         Node::Cut { child, plane } => {
             let kept = side(-(plane.normal.dot(p) + plane.offset))?;
@@ -157,10 +148,7 @@ fn mapped(map: &ValueMap, v: Bounded) -> Bounded {
 }
 
 fn looked_up(points: &[(f32, f32)], x: f64) -> f64 {
-    let points: Vec<(f64, f64)> = points
-        .iter()
-        .map(|p| (f64::from(p.0), f64::from(p.1)))
-        .collect();
+    let points: Vec<(f64, f64)> = points.iter().map(|p| (f64::from(p.0), f64::from(p.1))).collect();
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return x;
     };
@@ -210,10 +198,7 @@ fn joined(rule: ValueRule, a: Bounded, b: Bounded) -> Bounded {
         ValueRule::Average => (0.5 * (v + w), 0.5 * (a.error + b.error) + rounding),
         ValueRule::Blend(t) => {
             let t = f64::from(t);
-            (
-                t * v + (1.0 - t) * w,
-                t * a.error + (1.0 - t) * b.error + rounding,
-            )
+            (t * v + (1.0 - t) * w, t * a.error + (1.0 - t) * b.error + rounding)
         }
         ValueRule::Product => {
             let slope = v.abs() * b.error + w.abs() * a.error + a.error * b.error;

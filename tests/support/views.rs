@@ -4,8 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Interval};
 use vcsg::projection::{
-    Camera, ControlPoint, DepthCue, Lens, Light, Material, Mode, Projection, Settings, Shading,
-    TransferFunction, View,
+    Camera, ControlPoint, DepthCue, Lens, Light, Material, Mode, Projection, Settings, Shading, TransferFunction, View,
 };
 
 use super::parts;
@@ -42,8 +41,7 @@ impl Eye {
 
 /// Cameras of both lenses, from outside and inside, along axes and not.
 pub fn eye() -> impl Strategy<Value = Eye> {
-    let angle =
-        || prop_oneof![1 => (-4i32..4).prop_map(|n| f64::from(n) * 90.0), 2 => -180.0f64..180.0];
+    let angle = || prop_oneof![1 => (-4i32..4).prop_map(|n| f64::from(n) * 90.0), 2 => -180.0f64..180.0];
     let projection = prop_oneof![
         Just(Projection::Orthographic),
         (10.0f64..120.0).prop_map(|fov_y_deg| Projection::Perspective { fov_y_deg }),
@@ -51,29 +49,20 @@ pub fn eye() -> impl Strategy<Value = Eye> {
     let fraction = prop::array::uniform3(0.0f64..1.0).prop_map(DVec3::from);
     let within = prop::option::weighted(0.25, fraction);
     let size = prop::array::uniform2(1u32..20);
-    (
-        angle(),
-        angle(),
-        angle(),
-        0.5f64..3.0,
-        projection,
-        within,
-        size,
-    )
-        .prop_map(
-            |(azimuth_deg, elevation_deg, roll_deg, zoom, projection, within, size)| Eye {
-                view: View {
-                    azimuth_deg,
-                    elevation_deg,
-                    roll_deg,
-                    zoom,
-                    focus: None,
-                    projection,
-                },
-                within,
-                size,
+    (angle(), angle(), angle(), 0.5f64..3.0, projection, within, size).prop_map(
+        |(azimuth_deg, elevation_deg, roll_deg, zoom, projection, within, size)| Eye {
+            view: View {
+                azimuth_deg,
+                elevation_deg,
+                roll_deg,
+                zoom,
+                focus: None,
+                projection,
             },
-        )
+            within,
+            size,
+        },
+    )
 }
 
 /// A transfer function over some value range.
@@ -126,8 +115,7 @@ pub fn settings() -> impl Strategy<Value = Settings> {
         Mode::Additive,
         Mode::XRay,
     ]);
-    let depth_cue =
-        prop_oneof![Just(0.0f32), 0.0f32..=1.0].prop_map(|strength| DepthCue { strength });
+    let depth_cue = prop_oneof![Just(0.0f32), 0.0f32..=1.0].prop_map(|strength| DepthCue { strength });
     (mode, prop::option::of(shading()), depth_cue, 0.5f64..2.5).prop_map(
         |(mode, shading, depth_cue, samples_per_voxel)| Settings {
             mode,
@@ -140,8 +128,7 @@ pub fn settings() -> impl Strategy<Value = Settings> {
 }
 
 fn shading() -> impl Strategy<Value = Shading> {
-    let light = (parts::direction(), 0.0f32..=1.0)
-        .prop_map(|(towards, intensity)| Light { towards, intensity });
+    let light = (parts::direction(), 0.0f32..=1.0).prop_map(|(towards, intensity)| Light { towards, intensity });
     let lights = prop::collection::vec(light, 1..=Shading::MAX_LIGHTS);
     let factors = prop::array::uniform3(0.0f32..=1.0);
     (lights, factors, 0u32..=10, 0.005f64..0.5).prop_map(

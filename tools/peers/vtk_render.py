@@ -4,7 +4,8 @@
 
 One sample a voxel, linear interpolation, no jitter, no automatic sample distance, parallel projection whose square frame
 just holds the volume's box. Every repetition turns the camera a little, so that nothing can be reused, and waits until
-the picture is finished. "render" stops there; "frame" also reads the picture back, as an offline user must.
+the picture is finished. "render" stops there; "frame" also reads the picture back, as an offline user must. With --serve
+one mapper, shaded or not, draws a frame for every line on standard input, and prints its seconds.
 
 The eye looks from (sin a cos e, -cos a cos e, sin e) with +z up: azimuth 0, elevation 0 is a patient's face (LPS).
 """
@@ -34,7 +35,7 @@ from vtkmodules.vtkRenderingCore import (
 from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
-from timing import measure
+from timing import measure, serve
 from volumes import image_from_array
 
 TYPES = {"u8": "u1", "i16": "<i2", "u16": "<u2", "f32": "<f4"}
@@ -56,6 +57,7 @@ def arguments():
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--threads", type=int, default=2, help="of the CPU ray caster")
     parser.add_argument("--png", type=pathlib.Path, help="folder for the pictures")
+    parser.add_argument("--serve", action="store_true", help="a frame for every line on standard input")
     return parser.parse_args()
 
 
@@ -84,7 +86,7 @@ def appearance(table, shade, voxel_mm):
     properties.SetAmbient(0.1)
     properties.SetDiffuse(0.7)
     properties.SetSpecular(0.2)
-    properties.SetSpecularPower(10.0)
+    properties.SetSpecularPower(8.0)
     return properties
 
 
@@ -151,6 +153,7 @@ def device(window):
 
 
 def save(window, path):
+    path.parent.mkdir(parents=True, exist_ok=True)
     grab = vtkWindowToImageFilter()
     grab.SetInput(window)
     grab.ReadFrontBufferOff()
@@ -160,42 +163,58 @@ def save(window, path):
     writer.Write()
 
 
+def picture_path(args, kind, shade):
+    return args.png / f"vtk-{args.raw.stem}-{args.table.stem}-{kind}-shade-{'on' if shade else 'off'}.png"
+
+
+class Case:
+    """A volume in a window, its first frame drawn."""
+
+    def __init__(self, image, table, args, kind, shade):
+        voxel_mm = min(image.GetSpacing())
+        self.window, self.renderer = open_window(args.size)
+        mapper = MAPPERS[kind](voxel_mm, args.threads)
+        mapper.SetInputData(image)
+        mapper.SetAutoAdjustSampleDistances(False)
+        mapper.SetImageSampleDistance(1.0)
+        volume = vtkVolume()
+        volume.SetMapper(mapper)
+        volume.SetProperty(appearance(table, shade, voxel_mm))
+        self.renderer.AddVolume(volume)
+        view = place_camera(self.renderer, image, args)
+        self.window.Render()
+        self.about = {"vtk": vtkVersion.GetVTKVersion(), "mapper": mapper.GetClassName(), "shaded": shade, "view": view,
+                      "device": device(self.window)}
+        if args.png:
+            path = picture_path(args, kind, shade)
+            save(self.window, path)
+            self.about["picture"] = str(path)
+        self.pixels = vtkUnsignedCharArray()
+        self.last = args.size - 1
+
+    def render(self, i):
+        self.renderer.GetActiveCamera().Azimuth(TURN_DEG if i % 2 else -TURN_DEG)
+        self.window.Render()
+        self.window.WaitForCompletion()
+
+    def frame(self, i):
+        self.render(i)
+        self.window.GetRGBACharPixelData(0, 0, self.last, self.last, 0, self.pixels)
+
+
 def time_case(image, table, args, kind, shade):
-    voxel_mm = min(image.GetSpacing())
-    window, renderer = open_window(args.size)
-    mapper = MAPPERS[kind](voxel_mm, args.threads)
-    mapper.SetInputData(image)
-    mapper.SetAutoAdjustSampleDistances(False)
-    mapper.SetImageSampleDistance(1.0)
-    volume = vtkVolume()
-    volume.SetMapper(mapper)
-    volume.SetProperty(appearance(table, shade, voxel_mm))
-    renderer.AddVolume(volume)
-    view = place_camera(renderer, image, args)
-    window.Render()
-    if args.png:
-        args.png.mkdir(parents=True, exist_ok=True)
-        save(window, args.png / f"vtk-{args.raw.stem}-{args.table.stem}-{kind}-shade-{'on' if shade else 'off'}.png")
-    pixels = vtkUnsignedCharArray()
-    last = args.size - 1
-
-    def render(i):
-        renderer.GetActiveCamera().Azimuth(TURN_DEG if i % 2 else -TURN_DEG)
-        window.Render()
-        window.WaitForCompletion()
-
-    def frame(i):
-        render(i)
-        window.GetRGBACharPixelData(0, 0, last, last, 0, pixels)
-
-    return {"mapper": mapper.GetClassName(), "shaded": shade, "view": view, "device": device(window),
-            "render": measure(render, args.repeats), "frame": measure(frame, args.repeats)}
+    case = Case(image, table, args, kind, shade)
+    return case.about | {"render": measure(case.render, args.repeats), "frame": measure(case.frame, args.repeats)}
 
 
 def main():
     args = arguments()
     image = load(args)
     table = json.loads(args.table.read_text())
+    if args.serve:
+        case = Case(image, table, args, args.mapper[0], args.shade[0] == "on")
+        serve(case.about, case.frame)
+        return
     results = [time_case(image, table, args, kind, shade == "on") for kind in args.mapper for shade in args.shade]
     json.dump({"vtk": vtkVersion.GetVTKVersion(), "raw": str(args.raw), "table": args.table.stem, "size": args.size,
                "threads": args.threads, "load_average": os.getloadavg(), "results": results}, sys.stdout, indent=1)

@@ -3,7 +3,7 @@
     target/deps/vtk/bin/python tools/peers/vtk_reslice.py --raw target/bench/head.raw
 
 The output has the input's lattice; each of its points is looked up after a turn of 30 degrees about (1, 2, 3) through the
-volume's centre. Points that fall outside are 0.
+volume's centre. Points that fall outside are 0. With --serve one result is made for every line on standard input.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from vtkmodules.vtkCommonCore import vtkVersion
 from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkImagingCore import vtkImageReslice
 
-from timing import measure
+from timing import measure, serve
 from volumes import SIDE, image_from_array
 
 ANGLE_DEG = 30.0
@@ -30,7 +30,8 @@ def arguments():
     parser.add_argument("--raw", required=True, type=pathlib.Path)
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--output", type=pathlib.Path, help="where to write the last result, raw")
+    parser.add_argument("--output", type=pathlib.Path, help="where to write a result, raw")
+    parser.add_argument("--serve", action="store_true", help="a result for every line on standard input")
     return parser.parse_args()
 
 
@@ -58,11 +59,15 @@ def main():
         reslice.Modified()
         reslice.Update()
 
-    timing = measure(run, args.repeats)
     if args.output:
+        run(0)
         vtk_to_numpy(reslice.GetOutput().GetPointData().GetScalars()).tofile(args.output)
-    json.dump({"vtk": vtkVersion.GetVTKVersion(), "raw": str(args.raw), "threads": args.threads, "angle_deg": ANGLE_DEG,
-               "axis": AXIS, "load_average": os.getloadavg(), "reslice": timing}, sys.stdout, indent=1)
+    about = {"vtk": vtkVersion.GetVTKVersion(), "raw": str(args.raw), "threads": args.threads, "angle_deg": ANGLE_DEG,
+             "axis": AXIS, "load_average": os.getloadavg()}
+    if args.serve:
+        serve(about, run)
+        return
+    json.dump(about | {"reslice": measure(run, args.repeats)}, sys.stdout, indent=1)
     print()
 
 

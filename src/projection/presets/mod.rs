@@ -92,8 +92,7 @@ impl Preset {
 /// All presets: CT, MR, then the rest.
 pub fn all() -> &'static [Preset] {
     static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
-        let read =
-            |&text: &&'static str| read::preset(text).expect("a test reads every embedded preset");
+        let read = |&text: &&'static str| read::preset(text).expect("a test reads every embedded preset");
         TEXTS.iter().map(read).collect()
     });
     &PRESETS
@@ -150,16 +149,8 @@ mod tests {
             assert!(preset.description.len() > 20, "{}", preset.name);
             assert!(preset.range.width() > 0.0, "{}", preset.name);
             let points = preset.function.points();
-            assert!(
-                points.iter().any(|p| p.opacity > 0.0),
-                "{} shows nothing",
-                preset.name
-            );
-            assert_eq!(
-                points[0].opacity, 0.0,
-                "{} shows the air around",
-                preset.name
-            );
+            assert!(points.iter().any(|p| p.opacity > 0.0), "{} shows nothing", preset.name);
+            assert_eq!(points[0].opacity, 0.0, "{} shows the air around", preset.name);
             assert_eq!(preset.kind == Kind::Ct, preset.name.starts_with("ct-"));
         }
     }
@@ -171,9 +162,7 @@ mod tests {
         assert_eq!(moved.unit_mm(), 2.0);
         for (own, moved) in preset.function.points().iter().zip(moved.points()) {
             // Two roundings of numbers below 512.
-            assert!(
-                (moved.value - (100.0 + 200.0 * own.value)).abs() <= 2.0 * 512.0 * f32::EPSILON
-            );
+            assert!((moved.value - (100.0 + 200.0 * own.value)).abs() <= 2.0 * 512.0 * f32::EPSILON);
         }
         let bone = named("ct-bone").unwrap();
         assert_eq!(bone.transfer_function(bone.range(), 1.0), bone.function);

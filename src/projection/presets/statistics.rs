@@ -42,11 +42,7 @@ impl DataStatistics {
     /// The statistics of a target's covered voxels, from whole rows that are spread evenly over its blocks. `None` when the
     /// target is empty.
     pub fn of_target(target: &Target) -> Option<Self> {
-        let voxels: usize = target
-            .blocks
-            .iter()
-            .map(|b| b.extent.iter().product::<usize>())
-            .sum();
+        let voxels: usize = target.blocks.iter().map(|b| b.extent.iter().product::<usize>()).sum();
         let stride = voxels.div_ceil(Self::SAMPLE).max(1);
         let rows = target
             .blocks
@@ -77,11 +73,7 @@ impl DataStatistics {
 }
 
 /// The covered values of every `stride`-th row of a block, but at least of one.
-fn sampled_rows<'a>(
-    target: &'a Target,
-    block: &'a Block,
-    stride: usize,
-) -> impl Iterator<Item = Vec<f32>> + use<'a> {
+fn sampled_rows<'a>(target: &'a Target, block: &'a Block, stride: usize) -> impl Iterator<Item = Vec<f32>> + use<'a> {
     let [width, height, depth] = block.extent;
     let columns = block.origin[0]..block.origin[0] + width;
     let mut evaluator = RowEvaluator::new(&target.tree);
@@ -97,10 +89,7 @@ fn sampled_rows<'a>(
             Some(&mut coverage),
         );
         let samples = premultiplied.iter().zip(&coverage);
-        samples
-            .filter(|(_, c)| **c > 0.0)
-            .map(|(v, c)| v / c)
-            .collect()
+        samples.filter(|(_, c)| **c > 0.0).map(|(v, c)| v / c).collect()
     })
 }
 

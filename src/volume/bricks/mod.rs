@@ -160,8 +160,7 @@ impl Bricks {
         let [lo, hi] = [region.min.to_array(), region.max.to_array()];
         let first: [usize; 3] = std::array::from_fn(|a| index(lo[a].floor(), self.dims[a] - 1));
         // A sample on a voxel's centre has weight 0 on the next, so the last lower voxel lies below the box's end.
-        let last: [usize; 3] =
-            std::array::from_fn(|a| index(hi[a].ceil() - 1.0, self.dims[a] - 1).max(first[a]));
+        let last: [usize; 3] = std::array::from_fn(|a| index(hi[a].ceil() - 1.0, self.dims[a] - 1).max(first[a]));
         rounded(self.pyramid.range(first, last))
     }
 
@@ -236,11 +235,7 @@ impl Field for Bricks {
             return SampleRange::EMPTY;
         }
         let covered = bounds.min.cmple(region.min).all() && bounds.max.cmpge(region.max).all();
-        let lowest = if covered && !self.has_missing {
-            1.0
-        } else {
-            0.0
-        };
+        let lowest = if covered && !self.has_missing { 1.0 } else { 0.0 };
         SampleRange {
             value,
             coverage: Interval::new(lowest, 1.0),

@@ -109,13 +109,7 @@ impl<const N: usize> Sites<N> {
 /// [`TypedBricks::sample_row`], compiled for wide registers too. No operation is fused or reordered, so every version gives
 /// the same bits.
 #[multiversion::multiversion(targets("x86_64+avx2", "x86_64+avx512f+avx512bw+avx512dq+avx512vl"))]
-fn sample_row<T: Voxel>(
-    bricks: &TypedBricks<T>,
-    index_from_lattice: &DAffine3,
-    row: DVec3,
-    i0: f64,
-    out: &mut [f32],
-) {
+fn sample_row<T: Voxel>(bricks: &TypedBricks<T>, index_from_lattice: &DAffine3, row: DVec3, i0: f64, out: &mut [f32]) {
     let last = bricks.last();
     let mut corners = [[[T::zeroed(); 2]; LANES]; 4];
     for (chunk, out) in out.chunks_mut(LANES).enumerate() {

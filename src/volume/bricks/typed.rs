@@ -73,12 +73,7 @@ impl<T: Voxel> TypedBricks<T> {
     }
 
     /// [`Self::copy_row`] through `convert`.
-    pub(super) fn convert_row<U: Copy>(
-        &self,
-        first: [usize; 3],
-        mut out: &mut [U],
-        convert: impl Fn(T) -> U,
-    ) {
+    pub(super) fn convert_row<U: Copy>(&self, first: [usize; 3], mut out: &mut [U], convert: impl Fn(T) -> U) {
         let [mut i, j, k] = first;
         while !out.is_empty() {
             let here = (EDGE - (i & MASK)).min(out.len());
@@ -87,9 +82,7 @@ impl<T: Voxel> TypedBricks<T> {
                 Brick::Constant(v) => head.fill(convert(*v)),
                 Brick::Voxels(voxels) => {
                     let row = &voxels[offset([i, j, k])..][..here];
-                    head.iter_mut()
-                        .zip(row)
-                        .for_each(|(out, v)| *out = convert(*v));
+                    head.iter_mut().zip(row).for_each(|(out, v)| *out = convert(*v));
                 }
             }
             out = tail;

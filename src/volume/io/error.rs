@@ -51,9 +51,7 @@ pub enum Problem {
         found: u64,
     },
     /// More data than so small a compressed file can hold.
-    #[error(
-        "the header declares {expected} bytes of data, more than {compressed} compressed bytes can hold"
-    )]
+    #[error("the header declares {expected} bytes of data, more than {compressed} compressed bytes can hold")]
     Implausible {
         /// Declared bytes.
         expected: u64,

@@ -116,10 +116,7 @@ pub fn read(path: &Path) -> Result<Volume, ReadError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.to_ascii_lowercase();
     if path.is_dir() {
-        return Err(ReadError::unsupported(
-            path,
-            "folders of slices are not supported yet",
-        ));
+        return Err(ReadError::unsupported(path, "folders of slices are not supported yet"));
     }
     let start = first_bytes(path).map_err(|e| ReadError::io(path, e))?;
     if start.starts_with(b"NRRD") || name.ends_with(".nrrd") || name.ends_with(".nhdr") {
@@ -141,14 +138,9 @@ fn first_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
 fn unknown(path: &Path, name: &str) -> ReadError {
     let known = NOT_READ.iter().find(|(suffix, _)| name.ends_with(suffix));
     match known {
-        Some((_, format)) => {
-            ReadError::unsupported(path, format!("{format} files are not supported yet"))
-        }
-        None if name.ends_with(".raw") => {
-            ReadError::unsupported(path, "a raw file does not say what it holds").hint(
-                "give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it",
-            )
-        }
+        Some((_, format)) => ReadError::unsupported(path, format!("{format} files are not supported yet")),
+        None if name.ends_with(".raw") => ReadError::unsupported(path, "a raw file does not say what it holds")
+            .hint("give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it"),
         None => ReadError::unsupported(path, "it is no volume file that is known"),
     }
 }

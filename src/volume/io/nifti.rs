@@ -47,8 +47,7 @@ pub fn read(path: &Path) -> Result<Volume, ReadError> {
         }
     };
     let voxels = rescaled(voxels, &header);
-    let grid = Grid::new(fields.dims, fields.world_from_index, voxels)
-        .map_err(|e| ReadError::new(&header_path, e))?;
+    let grid = Grid::new(fields.dims, fields.world_from_index, voxels).map_err(|e| ReadError::new(&header_path, e))?;
     Ok(Volume {
         grid,
         format: "NIfTI-1",
@@ -73,14 +72,10 @@ fn read_header(path: &Path) -> Result<NiftiHeader, ReadError> {
     let stream = Stream::open(path)?;
     (stream.take(HEADER_BYTES).read_to_end(&mut bytes)).map_err(|e| ReadError::io(path, e))?;
     if bytes.len() as u64 != HEADER_BYTES {
-        let what = format!(
-            "it has {} bytes, a NIfTI-1 header takes {HEADER_BYTES}",
-            bytes.len()
-        );
+        let what = format!("it has {} bytes, a NIfTI-1 header takes {HEADER_BYTES}", bytes.len());
         return Err(ReadError::header(path, what));
     }
-    NiftiHeader::from_reader(&*bytes)
-        .map_err(|e| ReadError::header(path, format!("it is not NIfTI-1: {e}")).byte(0))
+    NiftiHeader::from_reader(&*bytes).map_err(|e| ReadError::header(path, format!("it is not NIfTI-1: {e}")).byte(0))
 }
 
 /// A file's bytes, decompressed if need be.
@@ -160,9 +155,7 @@ impl Fields {
                 payload.read_raw(&mut file)
             }
             Stream::Gzip(mut stream) => {
-                let compressed = File::open(path)
-                    .and_then(|f| f.metadata())
-                    .map_err(io_error)?;
+                let compressed = File::open(path).and_then(|f| f.metadata()).map_err(io_error)?;
                 payload.check_gzip(compressed.len(), offset)?;
                 payload.decode_gzip(&mut stream, offset)
             }
@@ -207,9 +200,7 @@ fn offset(path: &Path, header: &NiftiHeader) -> Result<u64, ReadError> {
     match (&header.magic, offset) {
         (b"n+1\0", 0.0) => Ok(DEFAULT_OFFSET),
         (_, offset) if (0.0..=1e9).contains(&offset) => Ok(offset as u64),
-        _ => Err(
-            ReadError::header(path, format!("the voxels cannot start at byte {offset}")).byte(108),
-        ),
+        _ => Err(ReadError::header(path, format!("the voxels cannot start at byte {offset}")).byte(108)),
     }
 }
 
@@ -263,21 +254,13 @@ fn qform(header: &NiftiHeader) -> DAffine3 {
 /// The voxels' sizes; 1 for those that are none.
 fn spacing(header: &NiftiHeader) -> DVec3 {
     let size = |v: f32| f64::from(if v.is_normal() { v.abs() } else { 1.0 });
-    DVec3::new(
-        size(header.pixdim[1]),
-        size(header.pixdim[2]),
-        size(header.pixdim[3]),
-    )
+    DVec3::new(size(header.pixdim[1]), size(header.pixdim[2]), size(header.pixdim[3]))
 }
 
 /// The voxels after the header's slope and intercept, as `f32` unless they are `f64`.
 fn rescaled(voxels: Voxels, header: &NiftiHeader) -> Voxels {
     let [slope, intercept] = [header.scl_slope, header.scl_inter].map(f64::from);
-    if slope == 0.0
-        || !slope.is_finite()
-        || !intercept.is_finite()
-        || (slope, intercept) == (1.0, 0.0)
-    {
+    if slope == 0.0 || !slope.is_finite() || !intercept.is_finite() || (slope, intercept) == (1.0, 0.0) {
         return voxels;
     }
     match voxels {

@@ -37,14 +37,12 @@ pub fn read(path: &Path) -> Result<Volume, ReadError> {
     let voxels = match data_file(path, &header)? {
         None => read_data(path, &header, count, &mut file)?,
         Some(data) => {
-            let file = File::open(&data).map_err(|e| {
-                ReadError::io(&data, e).hint("the header's `data file` names it: put it there")
-            })?;
+            let file = File::open(&data)
+                .map_err(|e| ReadError::io(&data, e).hint("the header's `data file` names it: put it there"))?;
             read_data(&data, &header, count, &mut BufReader::new(file))?
         }
     };
-    let grid =
-        Grid::new(axes.dims, world_from_index, voxels).map_err(|e| ReadError::new(path, e))?;
+    let grid = Grid::new(axes.dims, world_from_index, voxels).map_err(|e| ReadError::new(path, e))?;
     Ok(Volume {
         grid,
         format: "NRRD",
@@ -70,10 +68,7 @@ impl Axes {
         let field = header.need("sizes")?;
         let sizes: Vec<usize> = header.numbers("sizes")?.unwrap_or_default();
         if sizes.len() != header.number("dimension", sizes.len())? || sizes.is_empty() {
-            let what = format!(
-                "`sizes` has {} numbers, `dimension` says another",
-                sizes.len()
-            );
+            let what = format!("`sizes` has {} numbers, `dimension` says another", sizes.len());
             return Err(ReadError::header(path, what).line(field.line));
         }
         let spatial = spatial_axes(header, sizes.len())?;
@@ -105,12 +100,7 @@ fn spatial_axes(header: &Header, count: usize) -> Result<Vec<usize>, ReadError> 
 }
 
 /// The number of volumes along the one other axis, which has to be the slowest.
-fn frames(
-    path: &Path,
-    header: &Header,
-    sizes: &[usize],
-    spatial: &[usize],
-) -> Result<usize, ReadError> {
+fn frames(path: &Path, header: &Header, sizes: &[usize], spatial: &[usize]) -> Result<usize, ReadError> {
     let kinds = header.words("kinds");
     let kind = |axis: usize| kinds.get(axis).map_or("none", String::as_str);
     let others = (0..sizes.len()).filter(|axis| !spatial.contains(axis));
@@ -121,8 +111,7 @@ fn frames(
         [axis] if slowest(axis) && FRAME_KINDS.contains(&kind(axis)) => Ok(sizes[axis]),
         [axis, ..] => {
             let (size, kind) = (sizes[axis], kind(axis));
-            let what =
-                format!("voxels of {size} components (an axis of kind `{kind}`) are not read");
+            let what = format!("voxels of {size} components (an axis of kind `{kind}`) are not read");
             Err(ReadError::unsupported(path, what))
         }
     }
@@ -144,19 +133,11 @@ fn world_from_index(path: &Path, header: &Header, axes: &Axes) -> Result<DAffine
 }
 
 /// The axes and origin of a header without `space directions`.
-fn spacings(
-    path: &Path,
-    header: &Header,
-    axes: &Axes,
-) -> Result<([Option<DVec3>; 3], DVec3), ReadError> {
+fn spacings(path: &Path, header: &Header, axes: &Axes) -> Result<([Option<DVec3>; 3], DVec3), ReadError> {
     let number = |name: &str, missing: f64| {
         let numbers: Vec<f64> = header.numbers(name)?.unwrap_or_default();
         if !numbers.is_empty() && numbers.len() != axes.count {
-            let what = format!(
-                "`{name}` has {} numbers for {} axes",
-                numbers.len(),
-                axes.count
-            );
+            let what = format!("`{name}` has {} numbers for {} axes", numbers.len(), axes.count);
             return Err(ReadError::header(path, what));
         }
         let at = |a: usize| axes.spatial.get(a).and_then(|&axis| numbers.get(axis));
@@ -184,11 +165,14 @@ fn lps_from_space(path: &Path, header: &Header) -> Result<DVec3, ReadError> {
     match field.value.to_ascii_lowercase().trim_end_matches("-time") {
         "right-anterior-superior" | "ras" | "rast" => Ok(LPS_FROM_RAS),
         "left-anterior-superior" | "las" | "last" => Ok(LPS_FROM_LAS),
-        "left-posterior-superior" | "lps" | "lpst" | "scanner-xyz" | "3d-right-handed"
-        | "3d-left-handed" => Ok(DVec3::ONE),
-        _ => Err(ReadError::unsupported(path, format!("the space `{}` is not known", field.value))
-            .line(field.line)
-            .hint("use left-posterior-superior, right-anterior-superior or left-anterior-superior")),
+        "left-posterior-superior" | "lps" | "lpst" | "scanner-xyz" | "3d-right-handed" | "3d-left-handed" => {
+            Ok(DVec3::ONE)
+        }
+        _ => Err(
+            ReadError::unsupported(path, format!("the space `{}` is not known", field.value))
+                .line(field.line)
+                .hint("use left-posterior-superior, right-anterior-superior or left-anterior-superior"),
+        ),
     }
 }
 
@@ -198,22 +182,15 @@ fn data_file(path: &Path, header: &Header) -> Result<Option<PathBuf>, ReadError>
         return Ok(None);
     };
     if field.value.starts_with("LIST") || field.value.contains('%') {
-        return Err(
-            ReadError::unsupported(path, "data in several files is not read")
-                .line(field.line)
-                .hint("join them first, as with `unu save`"),
-        );
+        return Err(ReadError::unsupported(path, "data in several files is not read")
+            .line(field.line)
+            .hint("join them first, as with `unu save`"));
     }
     Ok(Some(path.with_file_name("").join(&field.value)))
 }
 
 /// The voxels, from `file`'s position on.
-fn read_data(
-    path: &Path,
-    header: &Header,
-    count: usize,
-    file: &mut BufReader<File>,
-) -> Result<Voxels, ReadError> {
+fn read_data(path: &Path, header: &Header, count: usize, file: &mut BufReader<File>) -> Result<Voxels, ReadError> {
     let payload = Payload {
         path,
         stored: stored(header)?,
@@ -223,10 +200,7 @@ fn read_data(
     skip_lines(path, header, file)?;
     let skip: i64 = header.number("byteskip", 0)?;
     let field = header.need("encoding")?;
-    match (
-        field.value.to_ascii_lowercase().as_str(),
-        u64::try_from(skip),
-    ) {
+    match (field.value.to_ascii_lowercase().as_str(), u64::try_from(skip)) {
         ("raw", Ok(skip)) => {
             seek(path, file, skip)?;
             payload.read_raw(file)
@@ -241,12 +215,11 @@ fn read_data(
         ("gzip" | "gz", Err(_)) if skip == -1 => read_gzip_end(&payload, file),
         ("text" | "txt" | "ascii", Ok(0)) => payload.read_text(file),
         (_, Err(_)) if skip < -1 => Err(ReadError::header(path, "`byte skip` is below -1")),
-        _ => Err(ReadError::unsupported(
-            path,
-            format!("the encoding `{}` is not read", field.value),
-        )
-        .line(field.line)
-        .hint("save it with the encoding raw or gzip")),
+        _ => Err(
+            ReadError::unsupported(path, format!("the encoding `{}` is not read", field.value))
+                .line(field.line)
+                .hint("save it with the encoding raw or gzip"),
+        ),
     }
 }
 
@@ -293,9 +266,7 @@ fn stored(header: &Header) -> Result<Stored, ReadError> {
         "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
             Stored::Voxel(VoxelType::I16)
         }
-        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => {
-            Stored::Voxel(VoxelType::U16)
-        }
+        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Stored::Voxel(VoxelType::U16),
         "int" | "signed int" | "int32" | "int32_t" => Stored::Voxel(VoxelType::I32),
         "uint" | "unsigned int" | "uint32" | "uint32_t" => Stored::Voxel(VoxelType::U32),
         "longlong"
@@ -305,9 +276,7 @@ fn stored(header: &Header) -> Result<Stored, ReadError> {
         | "signed long long int"
         | "int64"
         | "int64_t" => Stored::I64,
-        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => {
-            Stored::U64
-        }
+        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Stored::U64,
         "float" => Stored::Voxel(VoxelType::F32),
         "double" => Stored::Voxel(VoxelType::F64),
         other => return Err(header.bad(field, other)),
@@ -320,8 +289,9 @@ fn byte_order(path: &Path, header: &Header) -> Result<ByteOrder, ReadError> {
         let text = header.need("encoding")?.value.to_ascii_lowercase();
         return match stored(header)?.bytes() == 1 || ["text", "txt", "ascii"].contains(&&*text) {
             true => Ok(ByteOrder::NATIVE),
-            false => Err(ReadError::header(path, "the header has no `endian`")
-                .hint("add the line `endian: little`, or big")),
+            false => {
+                Err(ReadError::header(path, "the header has no `endian`").hint("add the line `endian: little`, or big"))
+            }
         };
     };
     match field.value.to_ascii_lowercase().as_str() {

@@ -65,10 +65,7 @@ impl<'a> Header<'a> {
         };
         match self.fields.insert(canonical(name), field) {
             Some(first) => {
-                let what = format!(
-                    "`{name}` is given a second time (first in line {})",
-                    first.line
-                );
+                let what = format!("`{name}` is given a second time (first in line {})", first.line);
                 Err(ReadError::header(self.path, what).line(number))
             }
             None => Ok(()),
@@ -99,10 +96,7 @@ impl<'a> Header<'a> {
     /// The single number of a field, or `default` without the field.
     pub(super) fn number<T: FromStr>(&self, name: &str, default: T) -> Result<T, ReadError> {
         match self.get(name) {
-            Some(field) => field
-                .value
-                .parse()
-                .map_err(|_| self.bad(field, &field.value)),
+            Some(field) => field.value.parse().map_err(|_| self.bad(field, &field.value)),
             None => Ok(default),
         }
     }

@@ -106,26 +106,17 @@ impl Payload<'_> {
     }
 
     /// The payload of the gzip stream at `file`'s position, `skip` decompressed bytes into it.
-    pub(super) fn read_gzip(
-        &self,
-        file: &mut BufReader<File>,
-        skip: u64,
-    ) -> Result<Voxels, ReadError> {
+    pub(super) fn read_gzip(&self, file: &mut BufReader<File>, skip: u64) -> Result<Voxels, ReadError> {
         let compressed = remaining(file).map_err(|e| ReadError::io(self.path, e))?;
         self.check_gzip(compressed, skip)?;
         self.decode_gzip(&mut Gunzip::new(file), skip)
     }
 
     /// The payload of a gzip stream, `skip` decompressed bytes into it. At the stream's end its checksum is tested.
-    pub(super) fn decode_gzip<R: BufRead>(
-        &self,
-        stream: &mut Gunzip<R>,
-        skip: u64,
-    ) -> Result<Voxels, ReadError> {
+    pub(super) fn decode_gzip<R: BufRead>(&self, stream: &mut Gunzip<R>, skip: u64) -> Result<Voxels, ReadError> {
         self.skip(stream, skip)?;
         let voxels = self.decode(stream, 0)?;
-        io::copy(&mut stream.take(1), &mut io::sink())
-            .map_err(|e| self.stream_error(e, self.bytes()))?;
+        io::copy(&mut stream.take(1), &mut io::sink()).map_err(|e| self.stream_error(e, self.bytes()))?;
         Ok(voxels)
     }
 
@@ -157,10 +148,7 @@ impl Payload<'_> {
         let expected = self.bytes().saturating_add(skip);
         match can_hold(compressed, expected) {
             true => Ok(()),
-            false => Err(self.problem(Problem::Implausible {
-                expected,
-                compressed,
-            })),
+            false => Err(self.problem(Problem::Implausible { expected, compressed })),
         }
     }
 
@@ -174,19 +162,11 @@ impl Payload<'_> {
     }
 
     /// The next scalars of a stream of bytes. Room for `trusted` of them is made beforehand.
-    pub(super) fn decode(
-        &self,
-        stream: &mut impl Read,
-        trusted: usize,
-    ) -> Result<Voxels, ReadError> {
+    pub(super) fn decode(&self, stream: &mut impl Read, trusted: usize) -> Result<Voxels, ReadError> {
         Ok(voxels!(self.stored, T => self.decode_as::<T>(stream, trusted)?))
     }
 
-    fn decode_as<T: Pod>(
-        &self,
-        stream: &mut impl Read,
-        trusted: usize,
-    ) -> Result<Vec<T>, ReadError> {
+    fn decode_as<T: Pod>(&self, stream: &mut impl Read, trusted: usize) -> Result<Vec<T>, ReadError> {
         let memory = |_| self.problem(Problem::Memory(self.bytes()));
         let mut scalars: Vec<T> = Vec::new();
         scalars.try_reserve_exact(trusted).map_err(memory)?;
@@ -198,9 +178,7 @@ impl Payload<'_> {
             let bytes = bytemuck::cast_slice_mut(&mut scalars[start..]);
             self.fill(stream, bytes, (start * size_of::<T>()) as u64)?;
             if self.order != ByteOrder::NATIVE {
-                bytes
-                    .chunks_exact_mut(size_of::<T>())
-                    .for_each(<[u8]>::reverse);
+                bytes.chunks_exact_mut(size_of::<T>()).for_each(<[u8]>::reverse);
             }
         }
         Ok(scalars)
@@ -248,9 +226,7 @@ impl Payload<'_> {
     fn stream_error(&self, error: io::Error, found: u64) -> ReadError {
         match error.kind() {
             io::ErrorKind::UnexpectedEof => self.truncated(found),
-            io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
-                self.problem(Problem::Compressed(error))
-            }
+            io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => self.problem(Problem::Compressed(error)),
             _ => self.problem(Problem::Io(error)),
         }
     }

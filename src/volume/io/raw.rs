@@ -40,13 +40,11 @@ pub fn read(path: &Path, layout: &RawLayout) -> Result<Volume, ReadError> {
         count: voxel_count(layout.dims).map_err(|e| ReadError::new(path, e))?,
     };
     let mut file = BufReader::new(File::open(path).map_err(io_error)?);
-    file.seek(SeekFrom::Start(layout.offset))
-        .map_err(io_error)?;
+    file.seek(SeekFrom::Start(layout.offset)).map_err(io_error)?;
     let voxels = payload
         .read_raw(&mut file)
         .map_err(|e| e.hint("give the size, type and offset that the file has"))?;
-    let grid = Grid::new(layout.dims, layout.world_from_index, voxels)
-        .map_err(|e| ReadError::new(path, e))?;
+    let grid = Grid::new(layout.dims, layout.world_from_index, voxels).map_err(|e| ReadError::new(path, e))?;
     Ok(Volume {
         grid,
         format: "raw",

@@ -1,0 +1,118 @@
+//! Ours against VTK's and against the device's own limits, in one run, on the same data and views: see docs/BENCHMARKS.md.
+//! `cargo bench --bench peers [-- --quick] [--strict]`; `make bench` sets up first.
+
+mod bar;
+mod drawing;
+mod frames;
+mod machine;
+mod memory;
+mod picture;
+#[path = "../quads/mod.rs"]
+mod quads;
+mod rates;
+mod resampling;
+mod runs;
+mod scene;
+mod vtk;
+
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+use bar::Bar;
+use clap::Parser;
+use frames::Repetitions;
+use machine::Machine;
+use serde::Serialize;
+use vcsg::output::write_whole;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// Where all figures go.
+const REPORT: &str = "target/bench/peers.json";
+
+/// Measures against VTK and against the device's limits.
+#[derive(Parser)]
+struct Arguments {
+    /// Two repetitions: to see that it runs, not for figures.
+    #[arg(long)]
+    quick: bool,
+    /// Fail if a bar is missed.
+    #[arg(long)]
+    strict: bool,
+    /// Draw one scene and print what memory it took, as JSON.
+    #[arg(long, hide = true)]
+    memory_of: Option<memory::Scene>,
+    /// Cargo says this.
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// All figures.
+#[derive(Serialize)]
+struct Report {
+    machine: Machine,
+    frames: Vec<frames::Comparison>,
+    rates: rates::Rates,
+    resampling: Vec<resampling::Comparison>,
+    memory: Vec<memory::Measured>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(&arguments) {
+        Ok(missed) if missed > 0 && arguments.strict => ExitCode::FAILURE,
+        Ok(_) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("peers: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The number of bars missed.
+fn run(arguments: &Arguments) -> Outcome<usize> {
+    if let Some(scene) = arguments.memory_of {
+        return memory::print_usage_of(scene).map(|()| 0);
+    }
+    vtk::require_setup()?;
+    vtk::write_volumes()?;
+    let report = Report::measure(match arguments.quick {
+        true => Repetitions { runs: 2, builds: 1 },
+        false => Repetitions { runs: 9, builds: 3 },
+    })?;
+    write_whole(Path::new(REPORT), |out| {
+        serde_json::to_writer_pretty(&mut *out, &report)?;
+        out.write_all(b"\n")
+    })?;
+    let missed: Vec<&Bar> = report.bars().into_iter().filter(|bar| !bar.met()).collect();
+    println!("\nAll figures: {REPORT}");
+    for bar in &missed {
+        println!("MISSED: {}: {:.2}, {bar}", bar.what, bar.value);
+    }
+    Ok(missed.len())
+}
+
+impl Report {
+    fn measure(repetitions: Repetitions) -> Outcome<Self> {
+        let device = drawing::open_device()?;
+        let machine = Machine::now(device.info());
+        machine.print();
+        Ok(Self {
+            machine,
+            frames: frames::compare(&device, repetitions)?,
+            rates: rates::measure(&device, repetitions.runs)?,
+            resampling: resampling::compare(repetitions.runs)?,
+            memory: memory::measure()?,
+        })
+    }
+
+    fn bars(&self) -> Vec<&Bar> {
+        let frames = self.frames.iter().map(|c| &c.bar);
+        let rates = self.rates.rates.iter().filter_map(|r| r.bar.as_ref());
+        let resampling = self.resampling.iter().map(|c| &c.bar);
+        let memory = self.memory.iter().map(|m| &m.bar);
+        frames.chain(rates).chain(resampling).chain(memory).collect()
+    }
+}
