@@ -71,12 +71,15 @@ void main() {
         color = vec4(c.a * coverage);
         return;
     }
-    vec2 light = vec2(1.0, 0.0);
-    if (LIGHTS > 0) {
-        vec3 m = MIXED
+    vec2 light;
+    switch (LIGHTS) {
+    case 0:
+        light = vec2(1.0, 0.0);
+        break;
+    default:
+        light = respond(MIXED
             ? textureLod(normals, texture_at, 0.0).gba * frame.normals.z + frame.normals.w
-            : stored.gba * frame.normals.x + frame.normals.y;
-        light = respond(m);
+            : stored.gba * frame.normals.x + frame.normals.y);
     }
     color = vec4(cue * (light.x * c.rgb + light.y * c.a), c.a) * coverage;
 }
