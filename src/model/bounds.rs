@@ -6,9 +6,9 @@
 //! moved corners; the paper keeps the child's and moves the tested block instead, which is what [`Tree`](super::Tree) does
 //! for leaves, where it decides. A subtraction that keeps the first operand's extent is bounded in the same way.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
-use super::{BooleanOp, Model, Node, Plane, Shape};
+use super::{BooleanOp, FramePlane, Leaf, Model, Node, Shape, Source, Step, Tree};
 use crate::math::Aabb;
 
 impl Model {
@@ -32,14 +32,52 @@ fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
             parent_from_child,
         } => boxes[child.index()].transformed(parent_from_child),
         Node::Transfer { child, .. } => boxes[child.index()],
-        Node::Cut { child, plane } => clip(&boxes[child.index()], plane),
-        Node::Combine(c) => {
-            let (first, second) = (&boxes[c.first.index()], &boxes[c.second.index()]);
-            match c.op {
-                BooleanOp::Union => first.hull(second),
-                BooleanOp::Intersection => first.intersect(second),
-                BooleanOp::Subtraction | BooleanOp::SubtractionWithRule => *first,
+        Node::Cut { child, plane } => clip(&boxes[child.index()], &FramePlane::from(plane)),
+        Node::Combine(c) => combined(c.op, &boxes[c.first.index()], &boxes[c.second.index()]),
+    }
+}
+
+fn combined(op: BooleanOp, first: &Aabb, second: &Aabb) -> Aabb {
+    match op {
+        BooleanOp::Union => first.hull(second),
+        BooleanOp::Intersection => first.intersect(second),
+        BooleanOp::Subtraction | BooleanOp::SubtractionWithRule => *first,
+    }
+}
+
+impl Tree {
+    /// The box of the whole tree in another frame: each leaf's own box is moved there at once, so it is never larger than
+    /// [`Model::bounds`] makes it of boxes of boxes.
+    pub fn bounds_in(&self, tree_from_frame: &DAffine3) -> Aabb {
+        let mut stack: Vec<Aabb> = Vec::new();
+        for &step in self.steps() {
+            match step {
+                Step::Leaf(i) | Step::LeafInside(i) => stack.push(self.leaf(i).bounds_in(tree_from_frame)),
+                Step::Map(_) => {}
+                Step::Cut(i) => {
+                    let top = stack.pop().unwrap_or(Aabb::EMPTY);
+                    stack.push(clip(&top, &self.cut(i).moved(tree_from_frame)));
+                }
+                Step::Combine(i) => {
+                    let second = stack.pop().unwrap_or(Aabb::EMPTY);
+                    let first = stack.pop().unwrap_or(Aabb::EMPTY);
+                    stack.push(combined(self.operator(i).op, &first, &second));
+                }
             }
+        }
+        stack.pop().unwrap_or(Aabb::EMPTY)
+    }
+}
+
+impl Leaf {
+    fn bounds_in(&self, tree_from_frame: &DAffine3) -> Aabb {
+        let local_from_frame = self.local_from_frame * *tree_from_frame;
+        match &self.source {
+            Source::Primitive {
+                shape: Shape::HalfSpace(plane),
+                ..
+            } => clip(&Aabb::ALL, &FramePlane::from(plane).moved(&local_from_frame)),
+            _ => self.local_bounds.transformed(&local_from_frame.inverse()),
         }
     }
 }
@@ -50,13 +88,13 @@ impl Shape {
         match self {
             Self::Sphere { center, radius } => Aabb::new(*center, *center).expand(DVec3::splat(*radius)),
             Self::Box(bounds) => *bounds,
-            Self::HalfSpace(plane) => clip(&Aabb::ALL, plane),
+            Self::HalfSpace(plane) => clip(&Aabb::ALL, &FramePlane::from(plane)),
         }
     }
 }
 
 /// The box of what a plane leaves of a box.
-fn clip(bounds: &Aabb, plane: &Plane) -> Aabb {
+fn clip(bounds: &Aabb, plane: &FramePlane) -> Aabb {
     if bounds.is_empty() {
         return *bounds;
     }
@@ -75,15 +113,21 @@ fn clip(bounds: &Aabb, plane: &Plane) -> Aabb {
     clipped.expand(bounds.size() * 1e-12).intersect(bounds)
 }
 
-/// Only a plane across an axis bounds a box that is infinite along it.
-fn clip_unbounded(bounds: &Aabb, plane: &Plane) -> Aabb {
+/// Only a plane across an axis, but for rounding, bounds a box that is infinite along it.
+fn clip_unbounded(bounds: &Aabb, plane: &FramePlane) -> Aabb {
     let mut clipped = *bounds;
     for axis in 0..3 {
         let n = plane.normal[axis];
-        if n == 1.0 {
-            clipped.max[axis] = clipped.max[axis].min(-plane.offset);
-        } else if n == -1.0 {
-            clipped.min[axis] = clipped.min[axis].max(plane.offset);
+        let mut others = plane.normal;
+        others[axis] = 0.0;
+        if others.abs().max_element() > 1e-12 * n.abs() {
+            continue;
+        }
+        let face = -plane.offset / n;
+        if n > 0.0 {
+            clipped.max[axis] = clipped.max[axis].min(face);
+        } else {
+            clipped.min[axis] = clipped.min[axis].max(face);
         }
     }
     clipped
@@ -101,6 +145,7 @@ fn edges() -> impl Iterator<Item = (usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Plane;
     use proptest::prelude::*;
 
     proptest! {
@@ -113,7 +158,7 @@ mod tests {
             let bounds = Aabb::new(DVec3::new(-3.0, -2.0, -1.0), DVec3::new(3.0, 2.5, 4.0));
             let Some(plane) = Plane::through(at.into(), n.into()) else { return Ok(()) };
             let p = bounds.min + bounds.size() * DVec3::from(t);
-            let clipped = clip(&bounds, &plane);
+            let clipped = clip(&bounds, &FramePlane::from(&plane));
             if plane.distance(p) <= 0.0 {
                 prop_assert!(clipped.contains(p), "{p} of {clipped:?}");
             }
@@ -124,9 +169,9 @@ mod tests {
     fn a_clip_is_tight() {
         let bounds = Aabb::new(DVec3::ZERO, DVec3::ONE);
         let plane = Plane::through(DVec3::splat(0.25), DVec3::ONE).unwrap();
-        let clipped = clip(&bounds, &plane);
+        let clipped = clip(&bounds, &FramePlane::from(&plane));
         assert!((clipped.max - DVec3::splat(0.75)).length() < 1e-9, "{clipped:?}");
         let axis = Plane::through(DVec3::X * 0.5, -DVec3::X).unwrap();
-        assert_eq!(clip(&Aabb::ALL, &axis).min.x, 0.5);
+        assert_eq!(clip(&Aabb::ALL, &FramePlane::from(&axis)).min.x, 0.5);
     }
 }

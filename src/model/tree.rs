@@ -84,6 +84,9 @@ pub enum TreeError {
         Tree::MAX_STEPS
     )]
     TooLarge,
+    /// A transform that flattens space.
+    #[error("a transform cannot be undone: its matrix is singular or not finite; scale by numbers other than 0")]
+    Singular,
 }
 
 impl Plane {
@@ -99,6 +102,15 @@ fn linear(normal: DVec3, offset: f64, p: DVec3) -> f64 {
     normal.x * p.x + (normal.y * p.y + (normal.z * p.z + offset))
 }
 
+impl From<&Plane> for FramePlane {
+    fn from(plane: &Plane) -> Self {
+        Self {
+            normal: plane.normal,
+            offset: plane.offset,
+        }
+    }
+}
+
 impl FramePlane {
     /// Signed distance (millimetres) of the frame's point `p`.
     #[inline]
@@ -106,10 +118,11 @@ impl FramePlane {
         linear(self.normal, self.offset, p)
     }
 
-    fn new(plane: &Plane, local_from_frame: &DAffine3) -> Self {
+    /// The same plane in another frame.
+    pub fn moved(&self, this_from_frame: &DAffine3) -> Self {
         Self {
-            normal: local_from_frame.matrix3.transpose() * plane.normal,
-            offset: plane.distance(local_from_frame.translation),
+            normal: this_from_frame.matrix3.transpose() * self.normal,
+            offset: self.distance(this_from_frame.translation),
         }
     }
 }
@@ -175,10 +188,13 @@ impl Tree {
     /// Flattens `model` for points of a frame placed by `world_from_frame`.
     ///
     /// # Errors
-    /// If shared subtrees multiply out to more than [`Self::MAX_STEPS`] nodes.
+    /// If shared subtrees multiply out to more than [`Self::MAX_STEPS`] nodes, or a transform cannot be undone.
     pub fn new(model: &Model, world_from_frame: &DAffine3) -> Result<Self, TreeError> {
         if written_out(model) > Self::MAX_STEPS {
             return Err(TreeError::TooLarge);
+        }
+        if model.nodes().iter().any(is_singular) {
+            return Err(TreeError::Singular);
         }
         let mut tree = Self::default();
         // A node waits on the stack twice: to have its children visited, then to be written behind them.
@@ -223,7 +239,7 @@ impl Tree {
             }
             Node::Cut { plane, .. } => {
                 self.steps.push(Step::Cut(self.cuts.len() as u32));
-                self.cuts.push(FramePlane::new(plane, node_from_frame));
+                self.cuts.push(FramePlane::from(plane).moved(node_from_frame));
             }
             Node::Combine(Combine { op, rule, family, .. }) => {
                 self.steps.push(Step::Combine(self.operators.len() as u32));
@@ -346,6 +362,13 @@ fn written_out(model: &Model) -> usize {
         sizes.push(size);
     }
     sizes.last().copied().unwrap_or(0)
+}
+
+fn is_singular(node: &Node) -> bool {
+    match node {
+        Node::Transform { parent_from_child, .. } => affine::invert(parent_from_child).is_none(),
+        _ => false,
+    }
 }
 
 /// A node on the way to being flattened.

@@ -21,7 +21,7 @@ use crate::projection::SoftNormals;
 use crate::target::{Block, CellRanges, Layout, Target};
 
 /// Bytes reconstructed before they are handed to the device.
-const BATCH_BYTES: usize = 32 << 20;
+const BATCH_BYTES: usize = 16 << 20;
 
 /// The largest page, bytes of values: several small allocations rather than one that may not be had.
 const PAGE_BYTES: usize = 256 << 20;

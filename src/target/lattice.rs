@@ -8,7 +8,7 @@
 use glam::{DAffine3, DVec3};
 
 use crate::math::{Aabb, affine};
-use crate::model::{Model, Source, Tree};
+use crate::model::{Source, Tree};
 
 /// A regular lattice in the world; voxel `(i, j, k)` has its centre at lattice point `(i, j, k)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,13 +55,12 @@ impl Lattice {
     /// A volume's lattice serves a whole scene only while its spacings differ by no more than this.
     const MAX_ANISOTROPY: f64 = 2.5;
 
-    /// The lattice of `model`: axis-aligned at `spacing_mm` when that is given, else as the module head says.
+    /// The lattice of a model, flattened in the world: axis-aligned at `spacing_mm` when that is given, else as the module head says.
     ///
     /// # Errors
     /// If the model is empty or unbounded, or the spacing impossible.
-    pub fn of_model(model: &Model, tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
-        let root = model.root().ok_or(LatticeError::Empty)?;
-        let bounds = model.bounds()[root.index()];
+    pub fn of_tree(tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
+        let bounds = tree.bounds_in(&DAffine3::IDENTITY);
         if bounds.is_empty() {
             return Err(LatticeError::Empty);
         }
@@ -70,7 +69,7 @@ impl Lattice {
         }
         match (spacing_mm, common_lattice(tree)) {
             (Some(spacing), _) => Self::axis_aligned(&bounds, spacing),
-            (None, Some(volume)) if volume.serves(tree) => volume.filling(&bounds),
+            (None, Some(volume)) if volume.serves(tree) => volume.filling(&tree.bounds_in(&volume.world_from_index)),
             (None, _) => Self::axis_aligned(&bounds, finest_spacing(tree, &bounds)),
         }
     }
@@ -83,7 +82,7 @@ impl Lattice {
         if !(spacing_mm.is_finite() && spacing_mm > 0.0) {
             return Err(LatticeError::Spacing(spacing_mm));
         }
-        let cells = (bounds.size() / spacing_mm - 1e-9).ceil().max(DVec3::ONE);
+        let cells = (bounds.size() / spacing_mm - 1e-6).ceil().max(DVec3::ONE);
         let voxels = cells.max_element() + 2.0;
         if voxels > Self::MAX_DIM as f64 {
             return Err(LatticeError::TooFine { voxels, spacing_mm });
@@ -159,15 +158,14 @@ impl VolumeLattice {
         alone || spacing.max_element() <= Lattice::MAX_ANISOTROPY * spacing.min_element()
     }
 
-    /// This lattice extended or cropped to the world box `bounds`.
-    fn filling(&self, bounds: &Aabb) -> Result<Lattice, LatticeError> {
-        let wanted = bounds.transformed(&self.world_from_index.inverse());
+    /// This lattice extended or cropped to `wanted`, a box of its index space.
+    fn filling(&self, wanted: &Aabb) -> Result<Lattice, LatticeError> {
         let beyond = |face: f64, own: f64| if (face - own).abs() < 1e-6 { 0.0 } else { 1.0 };
         let mut first = DVec3::ZERO;
         let mut dims = [0; 3];
         for axis in 0..3 {
             let own = (self.bounds.min[axis], self.bounds.max[axis]);
-            let (min, max) = if self.within(&wanted, axis) {
+            let (min, max) = if self.within(wanted, axis) {
                 (wanted.min[axis].max(own.0), wanted.max[axis].min(own.1))
             } else {
                 (wanted.min[axis], wanted.max[axis])
@@ -204,5 +202,78 @@ fn finest_spacing(tree: &Tree, bounds: &Aabb) -> f64 {
         finest
     } else {
         bounds.size().max_element() / Lattice::DEFAULT_DIM
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::math::Interval;
+    use crate::model::{Model, Node, Plane, Shape, VolumeLeaf};
+    use crate::volume::{Bricks, Grid, Voxels};
+
+    /// A volume of 6 · 5 · 4 voxels, turned and stretched in the world.
+    fn oblique() -> Node {
+        let world_from_index = DAffine3::from_scale_rotation_translation(
+            DVec3::new(1.0, 1.5, 2.0),
+            glam::DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7),
+            DVec3::new(10.0, -20.0, 30.0),
+        );
+        let grid = Grid::new([6, 5, 4], world_from_index, Voxels::U8(vec![7; 120])).expect("a grid");
+        Node::Volume(VolumeLeaf {
+            bricks: Arc::new(Bricks::new(&grid)),
+            window: Interval::ALL,
+        })
+    }
+
+    fn lattice(model: &Model) -> Result<Lattice, LatticeError> {
+        Lattice::of_tree(&Tree::new(model, &DAffine3::IDENTITY).expect("a tree"), None)
+    }
+
+    #[test]
+    fn an_oblique_volume_keeps_its_lattice() {
+        let mut model = Model::default();
+        model.push(oblique());
+        assert_eq!(lattice(&model).map(|l| l.dims), Ok([6, 5, 4]));
+    }
+
+    #[test]
+    fn a_turned_volume_keeps_its_lattice() {
+        let mut model = Model::default();
+        let child = model.push(oblique());
+        let parent_from_child = DAffine3::from_rotation_y(0.4);
+        model.push(Node::Transform {
+            child,
+            parent_from_child,
+        });
+        assert_eq!(lattice(&model).map(|l| l.dims), Ok([6, 5, 4]));
+    }
+
+    #[test]
+    fn a_moved_half_space_bounds_too() {
+        let mut model = Model::default();
+        let across = |axis: DVec3| Plane::through(DVec3::ZERO, axis).expect("a plane");
+        let sides = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z].map(|axis| {
+            let shape = Shape::HalfSpace(across(axis));
+            let child = model.push(Node::Primitive { shape, value: 1.0 });
+            let parent_from_child = DAffine3::from_translation(5.0 * axis);
+            model.push(Node::Transform {
+                child,
+                parent_from_child,
+            })
+        });
+        let (op, rule, family) = (
+            crate::model::BooleanOp::Intersection,
+            Default::default(),
+            Default::default(),
+        );
+        model.fold(op, rule, family, sides);
+        let bounds = lattice(&model).expect("a bounded model").world_bounds();
+        assert!(
+            (bounds.size() - DVec3::splat(10.0)).abs().max_element() < 0.2,
+            "{bounds:?}"
+        );
     }
 }

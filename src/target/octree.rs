@@ -124,7 +124,7 @@ impl Target {
     /// If the model has no lattice, cannot be flattened, or its blocks exceed the budget.
     pub fn build(model: &Model, spacing_mm: Option<f64>, subdivision: &Subdivision) -> Result<Self, TargetError> {
         let world_tree = Tree::new(model, &DAffine3::IDENTITY)?;
-        let lattice = Lattice::of_model(model, &world_tree, spacing_mm)?;
+        let lattice = Lattice::of_tree(&world_tree, spacing_mm)?;
         Self::on_lattice(model, lattice, subdivision)
     }
 
@@ -138,12 +138,12 @@ impl Target {
         subdivision: &Subdivision,
     ) -> Result<Self, TargetError> {
         let world_tree = Tree::new(model, &DAffine3::IDENTITY)?;
-        let mut lattice = Lattice::of_model(model, &world_tree, spacing_mm)?;
+        let mut lattice = Lattice::of_tree(&world_tree, spacing_mm)?;
         loop {
             match Self::on_lattice(model, lattice, subdivision) {
                 Err(TargetError::OverBudget { spacing_mm, .. }) if lattice.len() > FEWEST => {
                     let coarser = Some(spacing_mm * 2f64.cbrt());
-                    lattice = Lattice::of_model(model, &world_tree, coarser)?;
+                    lattice = Lattice::of_tree(&world_tree, coarser)?;
                 }
                 result => return result,
             }

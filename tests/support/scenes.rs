@@ -136,15 +136,21 @@ fn bounded(mut model: Model) -> Model {
 /// Voxels along an axis, at most.
 pub const MAX_DIM: usize = 64;
 
+/// The model's own lattice if it is small, a coarse one over its box otherwise; one somewhere where the boxes alone show that
+/// nothing is left of it.
 fn small_lattice(model: &Model) -> Lattice {
     let tree = Tree::new(model, &DAffine3::IDENTITY).expect("a small tree");
-    let bounds = model.bounds()[model.nodes().len() - 1];
-    let own = Lattice::of_model(model, &tree, None).expect("a bounded model");
-    if own.len() <= 30_000 && own.dims.iter().all(|&n| n <= MAX_DIM) {
+    let own = Lattice::of_tree(&tree, None);
+    if let Ok(own) = own
+        && own.len() <= 30_000
+        && own.dims.iter().all(|&n| n <= MAX_DIM)
+    {
         return own;
     }
-    let spacing_mm = bounds.size().max_element() / 26.0;
-    Lattice::axis_aligned(&bounds, spacing_mm).expect("a bounded model")
+    let whole = tree.bounds_in(&DAffine3::IDENTITY);
+    let somewhere = Aabb::new(DVec3::splat(-13.0), DVec3::splat(13.0));
+    let bounds = if whole.is_empty() { somewhere } else { whole };
+    Lattice::axis_aligned(&bounds, bounds.size().max_element() / 26.0).expect("a bounded model")
 }
 
 /// Random scenes: freely placed, or with all volumes on one lattice.
