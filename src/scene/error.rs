@@ -240,6 +240,11 @@ impl SceneError {
         self.0.source.name()
     }
 
+    /// The place in the source, if it can be shown.
+    fn quoted_span(&self) -> Option<SourceSpan> {
+        self.0.span.filter(|span| self.0.source.is_quotable(span.offset()))
+    }
+
     /// Line and column, from 1; `None` when the file as a whole is at fault.
     pub fn place(&self) -> Option<(usize, usize)> {
         let span = self.0.span?;
@@ -267,11 +272,11 @@ impl Diagnostic for SceneError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.0.span.is_some().then(|| self.0.source.quoted() as _)
+        self.quoted_span().map(|_| self.0.source.quoted() as _)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.0.span?;
+        let span = self.quoted_span()?;
         let label = LabeledSpan::new_with_span(Some("here".into()), span);
         Some(Box::new(std::iter::once(label)))
     }

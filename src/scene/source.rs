@@ -37,6 +37,16 @@ impl Source {
         (line, 1 + on_line.chars().count())
     }
 
+    /// Whether the line round byte `offset` is short enough to be shown: a machine-made file may have it all in one line.
+    pub(super) fn is_quotable(&self, offset: usize) -> bool {
+        const LONGEST: usize = 500;
+        let text = self.named.inner().as_bytes();
+        let (before, after) = text.split_at(offset.min(text.len()));
+        let begin = before.iter().rev().position(|&b| b == b'\n').unwrap_or(before.len());
+        let end = after.iter().position(|&b| b == b'\n').unwrap_or(after.len());
+        begin + end <= LONGEST
+    }
+
     /// What a diagnostic quotes from.
     pub(super) fn quoted(&self) -> &NamedSource<String> {
         &self.named
@@ -46,6 +56,13 @@ impl Source {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_of_a_page_is_not_quoted() {
+        let source = Source::new("a.kdl", format!("short\n{}\n", "x".repeat(501)));
+        assert!(source.is_quotable(2) && source.is_quotable(5));
+        assert!(!source.is_quotable(6) && !source.is_quotable(200));
+    }
 
     #[test]
     fn places_count_lines_and_characters_from_one() {
