@@ -78,6 +78,8 @@ constants! {
     pub const TEMPLATE_VERTICES: u32 = 42;
     /// Entries of a transfer table.
     pub const TABLE_LEN: u32 = 4096;
+    /// What lets less than one part in so many of the light pass hides all that is behind it.
+    pub const HIDES_ALL_BUT: u32 = 1024;
     /// Emission and absorption.
     pub const MODE_COMPOSITE: u32 = 0;
     /// Largest value.

@@ -16,6 +16,7 @@ pub(super) enum Use {
     ReadVertices,
     ReadIndices,
     DrawInto,
+    TestDepth,
     ReadOnHost,
 }
 
@@ -27,6 +28,7 @@ impl Use {
             Self::ReadVertices => Stage::VERTEX_ATTRIBUTE_INPUT,
             Self::ReadIndices => Stage::INDEX_INPUT,
             Self::DrawInto => Stage::COLOR_ATTACHMENT_OUTPUT,
+            Self::TestDepth => Stage::EARLY_FRAGMENT_TESTS | Stage::LATE_FRAGMENT_TESTS,
             Self::ReadOnHost => Stage::HOST,
         }
     }
@@ -41,6 +43,7 @@ impl Use {
             Self::ReadVertices => Access::VERTEX_ATTRIBUTE_READ,
             Self::ReadIndices => Access::INDEX_READ,
             Self::DrawInto => Access::COLOR_ATTACHMENT_READ | Access::COLOR_ATTACHMENT_WRITE,
+            Self::TestDepth => Access::DEPTH_STENCIL_ATTACHMENT_READ | Access::DEPTH_STENCIL_ATTACHMENT_WRITE,
             Self::ReadOnHost => Access::HOST_READ,
         }
     }
@@ -51,12 +54,13 @@ impl Use {
             Self::CopyFrom => Layout::TRANSFER_SRC_OPTIMAL,
             Self::CopyInto => Layout::TRANSFER_DST_OPTIMAL,
             Self::DrawInto => Layout::COLOR_ATTACHMENT_OPTIMAL,
+            Self::TestDepth => Layout::DEPTH_ATTACHMENT_OPTIMAL,
             _ => Layout::SHADER_READ_ONLY_OPTIMAL,
         }
     }
 
     pub(super) fn writes(self) -> bool {
-        matches!(self, Self::CopyInto | Self::DrawInto)
+        matches!(self, Self::CopyInto | Self::DrawInto | Self::TestDepth)
     }
 }
 

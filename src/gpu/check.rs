@@ -36,6 +36,11 @@ fn image_copy(device: &Device, copy: &ImageCopy, unfit: BufferRole) -> Result<()
         "copied with objects of another device",
     )?;
     require(
+        image.role() != ImageRole::DepthTarget,
+        image.label(),
+        "depths are not copied",
+    )?;
+    require(
         buffer.role() != unfit,
         buffer.label(),
         "the buffer's role does not allow the copy",
@@ -121,6 +126,15 @@ fn render(device: &Device, pass: &RenderPass) -> Result<(), GpuError> {
             .any(|other| std::ptr::eq(&*other.image, &**image));
         require(!again, image.label(), "the image is a target twice")?;
     }
+    if let Some(depth) = &pass.depth {
+        let image = &depth.image;
+        require(image.is_on(device), image.label(), "depths of another device")?;
+        require(
+            image.role() == ImageRole::DepthTarget && image.extent() == first.image.extent(),
+            image.label(),
+            "the image is not one of depths, or not of the targets' size",
+        )?;
+    }
     let mut checked: Option<&Draw> = None;
     for draw in &pass.draws {
         if !checked.is_some_and(|before| same_state(before, draw)) {
@@ -146,6 +160,11 @@ fn state(device: &Device, pass: &RenderPass, draw: &Draw) -> Result<(), GpuError
         formats.eq(draw.pipeline.targets().iter().copied()),
         label,
         "the targets' formats are not the pipeline's",
+    )?;
+    require(
+        pass.depth.is_some() == draw.pipeline.tests_depth(),
+        label,
+        "depths that the pipeline does not test, or none to test",
     )?;
     let bindings = draw.bindings.as_ref();
     require(

@@ -2,7 +2,8 @@
 
 use ash::vk;
 
-use super::pipeline_parts::{PipelineDesc, blend_state};
+use super::image::DEPTH_FORMAT;
+use super::pipeline_parts::{PipelineDesc, blend_state, depth_state};
 use super::{Device, GpuError};
 
 /// A shader module, needed only while its pipeline is compiled.
@@ -84,6 +85,9 @@ pub(super) fn compile(
         .vertex_attribute_descriptions(&lists.vertices.1);
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&lists.blends);
     let mut rendering = vk::PipelineRenderingCreateInfo::default().color_attachment_formats(&lists.formats);
+    if desc.depth.is_some() {
+        rendering = rendering.depth_attachment_format(DEPTH_FORMAT);
+    }
     let info = vk::GraphicsPipelineCreateInfo::default()
         .stages(&stages)
         .vertex_input_state(&vertices)
@@ -104,6 +108,7 @@ fn with_fixed_states(
         .viewport_count(1)
         .scissor_count(1);
     let rasterization = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
+    let depth = depth_state(desc.depth);
     let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
@@ -112,6 +117,7 @@ fn with_fixed_states(
         .viewport_state(&viewport)
         .rasterization_state(&rasterization)
         .multisample_state(&samples)
+        .depth_stencil_state(&depth)
         .dynamic_state(&dynamic);
     // SAFETY: modules and layout are of this device; all that `info` points to lives until the call returns.
     let made = unsafe {

@@ -9,7 +9,7 @@ use super::track::{Barriers, Tracker};
 use super::uses::track;
 use super::{
     Bindings, Buffer, BufferCopy, BufferRole, Command, Device, Draw, Elements, GpuError, GraphicsPipeline, ImageCopy,
-    Load, Push, Recording, RenderPass, Target,
+    DepthTarget, Load, Push, Recording, RenderPass, Target,
 };
 
 /// Writes commands, all in one command buffer that is being recorded.
@@ -118,6 +118,11 @@ impl<'a> Encoder<'a> {
             .render_area(area)
             .layer_count(1)
             .color_attachments(&attachments);
+        let depth = pass.depth.as_ref().map(depth_attachment);
+        let info = match &depth {
+            Some(depth) => info.depth_attachment(depth),
+            None => info,
+        };
         let viewport = vk::Viewport::default()
             .width(width as f32)
             .height(height as f32)
@@ -255,6 +260,21 @@ fn attachment(target: &Target) -> vk::RenderingAttachmentInfo<'static> {
         .store_op(vk::AttachmentStoreOp::STORE)
         .clear_value(vk::ClearValue {
             color: vk::ClearColorValue { float32: color },
+        })
+}
+
+fn depth_attachment(target: &DepthTarget) -> vk::RenderingAttachmentInfo<'static> {
+    let (load, depth) = match target.load {
+        Load::Clear(depth) => (vk::AttachmentLoadOp::CLEAR, depth),
+        Load::Keep => (vk::AttachmentLoadOp::LOAD, 1.0),
+    };
+    vk::RenderingAttachmentInfo::default()
+        .image_view(target.image.view())
+        .image_layout(Use::TestDepth.layout())
+        .load_op(load)
+        .store_op(vk::AttachmentStoreOp::STORE)
+        .clear_value(vk::ClearValue {
+            depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 },
         })
 }
 

@@ -38,14 +38,19 @@ impl Extent {
     }
 }
 
-/// What an image is for. Both kinds are copied into and out of, and sampled.
+/// What an image is for. What has colours is copied into and out of, and sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageRole {
     /// Sampled by shaders.
     Sampled,
     /// Also drawn into.
     ColorTarget,
+    /// Depths to test against, and nothing else.
+    DepthTarget,
 }
+
+/// The format of depths.
+pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// An image with one level of detail.
 pub struct Image {
@@ -123,7 +128,7 @@ impl Image {
             .image(self.raw)
             .view_type(kind)
             .format(self.format);
-        let info = info.subresource_range(whole_image());
+        let info = info.subresource_range(self.whole());
         // SAFETY: the image is bound and the view like it.
         let view = unsafe { self.device.raw().create_image_view(&info, None) };
         self.view = view.map_err(GpuError::creating(&self.label, bytes))?;
@@ -174,6 +179,18 @@ impl Image {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Its only level and layer.
+    pub(super) fn whole(&self) -> vk::ImageSubresourceRange {
+        let aspect = match self.role {
+            ImageRole::Sampled | ImageRole::ColorTarget => vk::ImageAspectFlags::COLOR,
+            ImageRole::DepthTarget => vk::ImageAspectFlags::DEPTH,
+        };
+        vk::ImageSubresourceRange::default()
+            .aspect_mask(aspect)
+            .level_count(1)
+            .layer_count(1)
+    }
+
     pub(super) fn raw(&self) -> vk::Image {
         self.raw
     }
@@ -201,20 +218,13 @@ impl Drop for Image {
     }
 }
 
-/// The only level and layer of an image.
-pub(super) fn whole_image() -> vk::ImageSubresourceRange {
-    vk::ImageSubresourceRange::default()
-        .aspect_mask(vk::ImageAspectFlags::COLOR)
-        .level_count(1)
-        .layer_count(1)
-}
-
 fn usage(role: ImageRole) -> vk::ImageUsageFlags {
     use vk::ImageUsageFlags as U;
     let common = U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
     match role {
         ImageRole::Sampled => common,
         ImageRole::ColorTarget => common | U::COLOR_ATTACHMENT,
+        ImageRole::DepthTarget => U::DEPTH_STENCIL_ATTACHMENT,
     }
 }
 
@@ -252,7 +262,11 @@ fn require_possible(
     if extent.texels() == 0 {
         return Err(GpuError::usage(label, format!("an image without texels: {extent:?}")));
     }
-    if role == ImageRole::ColorTarget && matches!(extent, Extent::D3(..)) {
+    if (role == ImageRole::DepthTarget) != (format == DEPTH_FORMAT) {
+        let problem = format!("{format:?} as {role:?}: depths are {DEPTH_FORMAT:?}, and nothing else is");
+        return Err(GpuError::usage(label, problem));
+    }
+    if role != ImageRole::Sampled && matches!(extent, Extent::D3(..)) {
         return Err(GpuError::usage(label, "a 3D image cannot be drawn into"));
     }
     // SAFETY: the physical device is of this instance.

@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use super::image::DEPTH_FORMAT;
 use super::Instance;
 use super::instance::version_text;
 
@@ -257,11 +258,13 @@ fn missing_formats(instance: &Instance, device: vk::PhysicalDevice, requirements
             .filter(move |need| !has.optimal_tiling_features.contains(need.0));
         absent.map(move |(_, what)| format!("{what} of {format:?}"))
     };
+    let depth = lacks(DEPTH_FORMAT, [(F::DEPTH_STENCIL_ATTACHMENT, "depth tests"); 2]).take(1);
     let sampled = requirements
         .sampled_linear
         .iter()
         .flat_map(|&format| lacks(format, sampled));
     sampled
         .chain(requirements.blended.iter().flat_map(|&format| lacks(format, blended)))
+        .chain(depth)
         .collect()
 }

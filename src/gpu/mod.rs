@@ -36,13 +36,13 @@ pub use buffer::{Buffer, BufferRole};
 pub use device::Device;
 pub use error::GpuError;
 pub use format::texel_bytes;
-pub use image::{Extent, Image, ImageRole};
+pub use image::{DEPTH_FORMAT, Extent, Image, ImageRole};
 pub use info::{DeviceInfo, DeviceKind, DeviceLimits, Feature, Requirements};
 pub use instance::Instance;
 pub use pipeline::GraphicsPipeline;
-pub use pipeline_parts::{Attribute, Blend, PipelineDesc, StepRate, Topology, VertexInput};
+pub use pipeline_parts::{Attribute, Blend, Depth, PipelineDesc, StepRate, Topology, VertexInput};
 pub use recording::{
-    BufferCopy, Command, Draw, Elements, ImageCopy, Load, Push, Recording, Region, RenderPass, Stream, Target,
+    BufferCopy, Command, DepthTarget, Draw, Elements, ImageCopy, Load, Push, Recording, Region, RenderPass, Stream, Target,
 };
 pub use sampler::{Filter, Sampler};
 pub use select::DeviceSelector;

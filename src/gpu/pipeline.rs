@@ -19,6 +19,7 @@ pub struct GraphicsPipeline {
     set_layout: vk::DescriptorSetLayout,
     label: String,
     targets: Vec<vk::Format>,
+    tests_depth: bool,
     bindings: Vec<BindingKind>,
     push_bytes: u32,
     vertex_input: Option<(u32, StepRate)>,
@@ -39,6 +40,7 @@ impl GraphicsPipeline {
             set_layout: set_layout(device, desc.label, desc.bindings)?,
             label: desc.label.to_owned(),
             targets: desc.color_targets.iter().map(|target| target.0).collect(),
+            tests_depth: desc.depth.is_some(),
             bindings: desc.bindings.to_vec(),
             push_bytes: desc.push_bytes,
             vertex_input: desc.vertex_input.map(|input| (input.stride, input.rate)),
@@ -57,6 +59,11 @@ impl GraphicsPipeline {
     /// The formats of the targets it draws into.
     pub fn targets(&self) -> &[vk::Format] {
         &self.targets
+    }
+
+    /// Whether its pass must have depths.
+    pub fn tests_depth(&self) -> bool {
+        self.tests_depth
     }
 
     /// The kinds of its bindings.

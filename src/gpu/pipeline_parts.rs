@@ -15,6 +15,17 @@ pub enum Blend {
     Max,
     /// The smaller of both, component by component.
     Min,
+    /// `target + (1 − target alpha) · source`, in all four components.
+    Under,
+}
+
+/// How a fragment meets the depth that is held for its pixel; smaller is nearer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// It is drawn where it is nearer.
+    Test,
+    /// It is drawn where it is nearer, and its depth is held from then on.
+    TestAndHold,
 }
 
 /// What vertices form.
@@ -73,6 +84,8 @@ pub struct PipelineDesc<'a> {
     pub specialization: &'a [(u32, u32)],
     /// The targets' formats, and how to blend into each (`None`: replace).
     pub color_targets: &'a [(vk::Format, Option<Blend>)],
+    /// How it uses the depths of its pass (`None`: the pass has none).
+    pub depth: Option<Depth>,
     /// The bindings 0, 1, 2, … of set 0.
     pub bindings: &'a [BindingKind],
     /// Bytes of push constants, seen by both shaders; a multiple of 4.
@@ -107,17 +120,26 @@ pub(super) fn blend_state(blend: Option<Blend>) -> vk::PipelineColorBlendAttachm
     use vk::{BlendFactor as Factor, BlendOp as Op};
     let state = vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
     let Some(blend) = blend else { return state };
-    let (target_factor, op) = match blend {
-        Blend::Over => (Factor::ONE_MINUS_SRC_ALPHA, Op::ADD),
-        Blend::Add => (Factor::ONE, Op::ADD),
-        Blend::Max => (Factor::ONE, Op::MAX),
-        Blend::Min => (Factor::ONE, Op::MIN),
+    let (source_factor, target_factor, op) = match blend {
+        Blend::Over => (Factor::ONE, Factor::ONE_MINUS_SRC_ALPHA, Op::ADD),
+        Blend::Under => (Factor::ONE_MINUS_DST_ALPHA, Factor::ONE, Op::ADD),
+        Blend::Add => (Factor::ONE, Factor::ONE, Op::ADD),
+        Blend::Max => (Factor::ONE, Factor::ONE, Op::MAX),
+        Blend::Min => (Factor::ONE, Factor::ONE, Op::MIN),
     };
     let state = state.blend_enable(true).color_blend_op(op).alpha_blend_op(op);
     let state = state
-        .src_color_blend_factor(Factor::ONE)
-        .src_alpha_blend_factor(Factor::ONE);
+        .src_color_blend_factor(source_factor)
+        .src_alpha_blend_factor(source_factor);
     state
         .dst_color_blend_factor(target_factor)
         .dst_alpha_blend_factor(target_factor)
+}
+
+/// The fixed-function state of `depth`.
+pub(super) fn depth_state(depth: Option<Depth>) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+    vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_test_enable(depth.is_some())
+        .depth_write_enable(depth == Some(Depth::TestAndHold))
+        .depth_compare_op(vk::CompareOp::LESS)
 }

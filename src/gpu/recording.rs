@@ -66,9 +66,9 @@ pub struct BufferCopy {
 
 /// What a target holds when a pass begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Load {
-    /// This colour.
-    Clear([f32; 4]),
+pub enum Load<T = [f32; 4]> {
+    /// This, everywhere.
+    Clear(T),
     /// What it held; a pass may so be split into several.
     Keep,
 }
@@ -82,11 +82,22 @@ pub struct Target {
     pub load: Load,
 }
 
+/// An image of depths to test against.
+#[derive(Clone)]
+pub struct DepthTarget {
+    /// The image.
+    pub image: Arc<Image>,
+    /// What it begins with.
+    pub load: Load<f32>,
+}
+
 /// Draws into the same targets, in order.
 #[derive(Clone)]
 pub struct RenderPass {
     /// The targets, of one size.
     pub targets: Vec<Target>,
+    /// The depths, of the same size, for pipelines that test against them.
+    pub depth: Option<DepthTarget>,
     /// The draws.
     pub draws: Vec<Draw>,
 }

@@ -8,7 +8,6 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::access::{Barrier, State, Use};
-use super::image::whole_image;
 use super::{Binding, Bindings, Buffer, GpuError, GraphicsPipeline, Image};
 
 /// What a submission uses, which it must hold, and the states it leaves behind.
@@ -163,7 +162,7 @@ fn image_barrier(image: &Image, barrier: Barrier) -> vk::ImageMemoryBarrier2<'st
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .image(image.raw())
-        .subresource_range(whole_image())
+        .subresource_range(image.whole())
 }
 
 fn buffer_barrier(buffer: &Buffer, barrier: Barrier) -> vk::BufferMemoryBarrier2<'static> {

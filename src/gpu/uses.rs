@@ -1,8 +1,10 @@
 //! What each command reads and writes.
 
+use std::sync::Arc;
+
 use super::access::Use;
 use super::track::Tracker;
-use super::{Command, Elements, GpuError, Load, RenderPass, Target};
+use super::{Command, DepthTarget, Elements, GpuError, Image, Load, RenderPass, Target};
 
 /// Notes what `command` uses.
 pub(super) fn track(command: &Command, tracker: &mut Tracker) -> Result<(), GpuError> {
@@ -26,10 +28,12 @@ pub(super) fn track(command: &Command, tracker: &mut Tracker) -> Result<(), GpuE
 
 fn track_pass(pass: &RenderPass, tracker: &mut Tracker) -> Result<(), GpuError> {
     for Target { image, load } in &pass.targets {
-        if *load == Load::Keep && tracker.is_undefined(image) {
-            return Err(GpuError::usage(image.label(), "a pass keeps what was never drawn"));
-        }
+        require_kept(tracker, image, *load == Load::Keep)?;
         tracker.image(image, Use::DrawInto)?;
+    }
+    if let Some(DepthTarget { image, load }) = &pass.depth {
+        require_kept(tracker, image, *load == Load::Keep)?;
+        tracker.image(image, Use::TestDepth)?;
     }
     for draw in &pass.draws {
         tracker.pipeline(&draw.pipeline);
@@ -42,6 +46,14 @@ fn track_pass(pass: &RenderPass, tracker: &mut Tracker) -> Result<(), GpuError> 
         if let Elements::Indices { buffer, .. } = &draw.elements {
             tracker.buffer(buffer, Use::ReadIndices);
         }
+    }
+    Ok(())
+}
+
+/// What a pass keeps must be there.
+fn require_kept(tracker: &Tracker, image: &Arc<Image>, kept: bool) -> Result<(), GpuError> {
+    if kept && tracker.is_undefined(image) {
+        return Err(GpuError::usage(image.label(), "a pass keeps what was never drawn"));
     }
     Ok(())
 }

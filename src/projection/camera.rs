@@ -149,11 +149,15 @@ impl Camera {
 
     /// Where an eye-space point falls in the frame, in pixels; pixel centres are at half-integers.
     pub fn project(&self, eye: DVec3) -> DVec2 {
-        let scale = match self.lens {
+        self.center_px() + eye.truncate() * self.pixels_per_mm(eye.z)
+    }
+
+    /// The scale of the picture of what is at depth `z`, millimetres.
+    pub fn pixels_per_mm(&self, z: f64) -> f64 {
+        match self.lens {
             Lens::Orthographic { pixels_per_mm } => pixels_per_mm,
-            Lens::Perspective { focal_px, .. } => focal_px / eye.z,
-        };
-        self.center_px() + eye.truncate() * scale
+            Lens::Perspective { focal_px, .. } => focal_px / z,
+        }
     }
 
     /// Where the eye is, in the world: a point for perspective, else the direction towards the viewer.

@@ -1,6 +1,7 @@
 //! From a target to a frame: cameras, transfer functions, lights, sampling planes, and the projectors that use them
 //! (VCSG §3.3).
 
+pub mod bands;
 mod camera;
 mod color;
 pub mod composite;

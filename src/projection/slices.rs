@@ -27,6 +27,8 @@ pub struct SliceBox {
     pub template: u32,
     /// Depth of its nearest corner, millimetres.
     pub nearest_mm: f64,
+    /// Fragments of a slice of it, about.
+    pub fragments: f64,
 }
 
 /// One polygon: a plane through a box.
@@ -51,6 +53,8 @@ pub struct SlicePlan {
     pub boxes: Vec<SliceBox>,
     /// The slices of all boxes in drawing order: box by box, the farthest plane first.
     pub slices: Vec<Slice>,
+    /// In how many bands they are drawn: see [`bands`](super::bands).
+    pub bands: usize,
 }
 
 impl SlicePlan {
@@ -66,6 +70,7 @@ impl SlicePlan {
                 templates: Vec::new(),
                 boxes: Vec::new(),
                 slices: Vec::new(),
+                bands: 1,
             },
             template_ids: HashMap::new(),
             camera,
@@ -74,6 +79,11 @@ impl SlicePlan {
             planner.add(block, cube, cube.extent(lattice.dims));
         }
         planner.plan
+    }
+
+    /// About how many fragments a slice has.
+    pub fn fragments(&self, slice: &Slice) -> f64 {
+        self.boxes[slice.slice_box as usize].fragments
     }
 
     /// The vertices of a slice in lattice coordinates, in order round the polygon.
@@ -111,6 +121,10 @@ impl Planner<'_> {
             return;
         }
         let template = self.template(extent);
+        let voxels: f64 = extent.iter().map(|&n| n as f64).product();
+        let volume_mm3 = voxels * self.plan.eye_from_lattice.matrix3.determinant().abs();
+        let area_px = volume_mm3 / (farthest_mm - nearest_mm) * self.camera.pixels_per_mm(visible_from).powi(2);
+        let [width, height] = self.camera.size.map(f64::from);
         let slice_box = self.plan.boxes.len() as u32;
         let global = self.plan.planes;
         self.plan.slices.extend(planes.rev().map(|k| Slice {
@@ -123,6 +137,7 @@ impl Planner<'_> {
             extent,
             template,
             nearest_mm,
+            fragments: area_px.min(width * height),
         });
     }
 

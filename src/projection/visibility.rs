@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{Camera, Lens, Planes, TransferTable, eye_from_lattice};
+use super::{Camera, Planes, TransferTable, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
 use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants_back_to_front};
 
@@ -84,10 +84,7 @@ impl DrawCost {
     pub fn new(lattice: &Lattice, camera: &Camera, planes: &Planes) -> Self {
         let eye_from_lattice = eye_from_lattice(lattice, camera);
         let middle = affine::point(&eye_from_lattice, lattice.bounds().center());
-        let pixels_per_mm = match camera.lens {
-            Lens::Orthographic { pixels_per_mm } => pixels_per_mm,
-            Lens::Perspective { focal_px, near_mm } => focal_px / middle.z.max(near_mm),
-        };
+        let pixels_per_mm = camera.pixels_per_mm(middle.z.max(camera.near_mm()));
         let voxel_mm3 = eye_from_lattice.matrix3.determinant().abs();
         Self {
             fragments_per_voxel: voxel_mm3 * pixels_per_mm.powi(2) / planes.step_mm,

@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use super::frame;
 use super::pages::{Page, PagedTarget};
-use super::slices::{SliceRenderer, TABLE_FORMAT, TARGET_FORMAT};
+use super::layers::Layers;
+use super::slices::{SliceRenderer, TABLE_FORMAT};
 use crate::gpu::{
     Binding, Bindings, Buffer, BufferRole, Device, Draw, Elements, Extent, GpuError, GraphicsPipeline, Image,
-    ImageRole, Load, Push, Recording, RenderPass, Stream, Target as ColorTarget,
+    ImageRole, Push, Recording, RenderPass, Stream,
 };
 use crate::image::Frame;
 use crate::interface::{MAX_VERTICES, TABLE_LEN};
-use crate::projection::{FrameSpec, Lens, SlicePlan, TransferTable};
+use crate::projection::{FrameSpec, SlicePlan, TransferTable, bands};
 
 /// Fragments of one submission, about: it ends within a second even on a processor.
 const SUBMISSION_FRAGMENTS: f64 = 5e7;
@@ -24,9 +25,9 @@ const _: () = assert!(FAN.len() == 3 * (MAX_VERTICES as usize - 2));
 
 /// Everything that one frame needs on the device.
 pub struct Job {
-    target: Arc<Image>,
+    layers: Layers,
     read_back: Arc<Buffer>,
-    passes: Vec<Recording>,
+    recordings: Vec<Recording>,
 }
 
 impl Job {
@@ -37,45 +38,38 @@ impl Job {
         paged: &PagedTarget,
         plan: &SlicePlan,
         table: &TransferTable,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
     ) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
-        let extent = Extent::D2(width, height);
-        let target = Image::new(&device, "frame", ImageRole::ColorTarget, TARGET_FORMAT, extent)?;
-        let read_back = Buffer::new(&device, "frame", BufferRole::Readback, target.bytes())?;
-        let mut passes = Vec::new();
-        let clear = ColorTarget {
-            image: Arc::clone(&target),
-            load: Load::Clear([0.0; 4]),
-        };
-        let mut first = Recording::new();
-        let shared = Shared::new(renderer, spec, paged, plan, table, &mut first)?;
-        first.render(RenderPass {
-            targets: vec![clear],
-            draws: Vec::new(),
-        });
-        passes.push(first);
-        for part in submissions(plan, spec) {
-            let mut recording = Recording::new();
-            recording.render(RenderPass {
-                targets: vec![ColorTarget {
-                    image: Arc::clone(&target),
-                    load: Load::Keep,
-                }],
-                draws: shared.draws(renderer, spec, paged, plan, part)?,
-            });
-            passes.push(recording);
+        let layers = Layers::new(renderer, size, plan.bands)?;
+        let read_back = Buffer::new(&device, "frame", BufferRole::Readback, layers.accumulated.bytes())?;
+        let mut submissions = Submissions::default();
+        let shared = Shared::new(renderer, spec, paged, plan, table, submissions.last())?;
+        submissions.last().render(layers.clear());
+        for (n, band) in bands::ranges(plan).into_iter().enumerate() {
+            let mut parts = parts(plan, band).into_iter();
+            if let Some((part, fragments)) = parts.next() {
+                let draws = shared.draws(renderer, spec, paged, plan, part)?;
+                submissions.render(layers.begin(n, draws), fragments);
+            }
+            for (part, fragments) in parts {
+                let draws = shared.draws(renderer, spec, paged, plan, part)?;
+                submissions.render(layers.go_on(draws), fragments);
+            }
+            if let Some(end) = layers.end() {
+                submissions.last().render(end);
+            }
         }
         Ok(Self {
-            target,
+            layers,
             read_back,
-            passes,
+            recordings: submissions.recordings,
         })
     }
 
     /// Draws.
     pub fn run(&self, device: &Arc<Device>) -> Result<(), GpuError> {
-        for recording in &self.passes {
+        for recording in &self.recordings {
             device.submit(recording)?.wait()?;
         }
         Ok(())
@@ -84,38 +78,55 @@ impl Job {
     /// What was accumulated.
     pub fn read_back(&self, device: &Arc<Device>) -> Result<Frame, GpuError> {
         let mut recording = Recording::new();
-        recording.read_back(&self.target, &self.read_back);
+        let accumulated = &self.layers.accumulated;
+        recording.read_back(accumulated, &self.read_back);
         device.submit(&recording)?.wait()?;
         let pixels = self.read_back.read_vec::<[f32; 4]>()?;
-        let [width, height, _] = self.target.extent().edges();
+        let [width, height, _] = accumulated.extent().edges();
         Ok(Frame::from_pixels(width, height, pixels).unwrap_or_else(|_| Frame::transparent(width, height)))
     }
 }
 
-/// The slices of each submission.
-fn submissions(plan: &SlicePlan, spec: &FrameSpec) -> Vec<Range<usize>> {
-    let pixels_per_voxel_face = {
-        let spacing = spec.target.lattice.spacing_mm().max_element();
-        let scale = match spec.camera.lens {
-            Lens::Orthographic { pixels_per_mm } => pixels_per_mm,
-            Lens::Perspective { focal_px, near_mm } => focal_px / near_mm.max(1.0),
-        };
-        (spacing * scale).powi(2)
-    };
-    let [width, height] = spec.camera.size.map(f64::from);
-    let mut parts = Vec::new();
-    let (mut begin, mut fragments) = (0, 0.0);
-    for (n, slice) in plan.slices.iter().enumerate() {
-        let extent = plan.boxes[slice.slice_box as usize].extent;
-        let longest = extent.into_iter().max().unwrap_or(0) as f64;
-        fragments += (longest * longest * pixels_per_voxel_face).min(width * height);
-        if fragments > SUBMISSION_FRAGMENTS {
-            parts.push(begin..n + 1);
-            (begin, fragments) = (n + 1, 0.0);
+/// The passes of a frame, in recordings that each end in bounded time.
+#[derive(Default)]
+struct Submissions {
+    recordings: Vec<Recording>,
+    /// Fragments of the last one.
+    fragments: f64,
+}
+
+impl Submissions {
+    fn last(&mut self) -> &mut Recording {
+        if self.recordings.is_empty() {
+            self.recordings.push(Recording::new());
         }
+        let last = self.recordings.len() - 1;
+        &mut self.recordings[last]
     }
-    parts.push(begin..plan.slices.len());
-    parts.retain(|p| !p.is_empty());
+
+    fn render(&mut self, pass: RenderPass, fragments: f64) {
+        self.fragments += fragments;
+        if self.fragments > SUBMISSION_FRAGMENTS {
+            self.recordings.push(Recording::new());
+            self.fragments = fragments;
+        }
+        self.last().render(pass);
+    }
+}
+
+/// Parts of a band that each fit a submission, and their fragments.
+fn parts(plan: &SlicePlan, band: Range<usize>) -> Vec<(Range<usize>, f64)> {
+    let mut parts = Vec::new();
+    let (mut begin, mut fragments) = (band.start, 0.0);
+    for n in band.clone() {
+        let more = plan.fragments(&plan.slices[n]);
+        if fragments + more > SUBMISSION_FRAGMENTS && n > begin {
+            parts.push((begin..n, fragments));
+            (begin, fragments) = (n, 0.0);
+        }
+        fragments += more;
+    }
+    parts.push((begin..band.end, fragments));
     parts
 }
 
@@ -190,7 +201,7 @@ impl Shared {
             }
             let pipeline = renderer
                 .pipelines
-                .get(&renderer.device, spec, paged.pages[page].mixed)?;
+                .slices(&renderer.device, spec, paged.pages[page].mixed, plan.bands > 1)?;
             draws.push(self.draw(renderer, pipeline, page, begin as u32..end as u32));
             begin = end;
         }

@@ -2,6 +2,7 @@
 
 mod frame;
 mod job;
+mod layers;
 mod pages;
 mod pieces;
 mod pipelines;

@@ -1,17 +1,18 @@
 //! The pipelines of slices, one for each way of drawing them.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::sync::Arc;
 
 use super::frame::{self, SliceData};
 use super::slices::TARGET_FORMAT;
 use crate::gpu::{
-    Attribute, BindingKind, Blend, Device, Format, GpuError, GraphicsPipeline, PipelineDesc, StepRate, Topology,
+    Attribute, BindingKind, Blend, Depth, Device, Format, GpuError, GraphicsPipeline, PipelineDesc, StepRate, Topology,
     VertexInput,
 };
 use crate::projection::composite::Blending;
 use crate::projection::{FrameSpec, Lens};
-use crate::shaders::{SLICES_FRAG, SLICES_VERT};
+use crate::shaders::{CLOSE_FRAG, MERGE_FRAG, SLICES_FRAG, SLICES_VERT, WHOLE_VERT};
 
 /// What distinguishes one pipeline from another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,33 +22,61 @@ struct Variant {
     lights: u32,
     shininess_log2: u32,
     perspective: bool,
+    /// In a band, whose pixels may be closed.
+    banded: bool,
+}
+
+/// What is done to whole frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Whole {
+    /// A band is blended under what is accumulated.
+    Merge,
+    /// Pixels that hide all behind them are closed.
+    Close,
 }
 
 /// The pipelines made so far.
 #[derive(Default)]
 pub struct Pipelines {
-    made: HashMap<Variant, Arc<GraphicsPipeline>>,
+    slices: HashMap<Variant, Arc<GraphicsPipeline>>,
+    whole: HashMap<Whole, Arc<GraphicsPipeline>>,
 }
 
 impl Pipelines {
     /// The pipeline that draws slices of `mixed` or covered pages for `spec`.
-    pub fn get(
+    pub fn slices(
         &mut self,
         device: &Arc<Device>,
         spec: &FrameSpec,
         mixed: bool,
+        banded: bool,
     ) -> Result<Arc<GraphicsPipeline>, GpuError> {
-        let variant = variant(spec, mixed);
-        if let Some(pipeline) = self.made.get(&variant) {
-            return Ok(Arc::clone(pipeline));
-        }
-        let pipeline = create_pipeline(device, &variant, spec.settings.mode.blending())?;
-        self.made.insert(variant, Arc::clone(&pipeline));
-        Ok(pipeline)
+        let variant = variant(spec, mixed, banded);
+        let blending = spec.settings.mode.blending();
+        made(&mut self.slices, variant, || slices_pipeline(device, &variant, blending))
+    }
+
+    /// The pipeline that does `what`, with one image bound.
+    pub fn whole(&mut self, device: &Arc<Device>, what: Whole) -> Result<Arc<GraphicsPipeline>, GpuError> {
+        made(&mut self.whole, what, || whole_pipeline(device, what))
     }
 }
 
-fn variant(spec: &FrameSpec, mixed: bool) -> Variant {
+/// The pipeline under `key`, created if it is the first time.
+fn made<K: Copy + Eq + Hash>(
+    pipelines: &mut HashMap<K, Arc<GraphicsPipeline>>,
+    key: K,
+    create: impl FnOnce() -> Result<Arc<GraphicsPipeline>, GpuError>,
+) -> Result<Arc<GraphicsPipeline>, GpuError> {
+    if let Some(pipeline) = pipelines.get(&key) {
+        return Ok(Arc::clone(pipeline));
+    }
+    let pipeline = create()?;
+    pipelines.insert(key, Arc::clone(&pipeline));
+    Ok(pipeline)
+}
+
+fn variant(spec: &FrameSpec, mixed: bool, banded: bool) -> Variant {
     let shading = spec.shading();
     Variant {
         mode: frame::mode_constant(spec.settings.mode),
@@ -55,6 +84,7 @@ fn variant(spec: &FrameSpec, mixed: bool) -> Variant {
         lights: shading.map_or(0, |s| s.lights.len() as u32),
         shininess_log2: shading.map_or(0, |s| s.material.shininess_log2),
         perspective: matches!(spec.camera.lens, Lens::Perspective { .. }),
+        banded,
     }
 }
 
@@ -67,7 +97,7 @@ const BINDINGS: [BindingKind; 6] = [
     BindingKind::Storage,
 ];
 
-fn create_pipeline(
+fn slices_pipeline(
     device: &Arc<Device>,
     variant: &Variant,
     blending: Blending,
@@ -91,6 +121,7 @@ fn create_pipeline(
                 (4, u32::from(variant.perspective)),
             ],
             color_targets: &[(TARGET_FORMAT, Some(blend))],
+            depth: variant.banded.then_some(Depth::Test),
             bindings: &BINDINGS,
             push_bytes: 0,
             topology: Topology::Triangles,
@@ -110,6 +141,26 @@ fn create_pipeline(
                     },
                 ],
             }),
+        },
+    )
+}
+
+fn whole_pipeline(device: &Arc<Device>, what: Whole) -> Result<Arc<GraphicsPipeline>, GpuError> {
+    let (label, fragment_spirv, blend, depth) = match what {
+        Whole::Merge => ("merge", MERGE_FRAG, Blend::Under, None),
+        Whole::Close => ("close", CLOSE_FRAG, Blend::Over, Some(Depth::TestAndHold)),
+    };
+    GraphicsPipeline::new(
+        device,
+        &PipelineDesc {
+            label,
+            vertex_spirv: WHOLE_VERT,
+            fragment_spirv,
+            color_targets: &[(TARGET_FORMAT, Some(blend))],
+            depth,
+            bindings: &[BindingKind::SampledImage],
+            topology: Topology::TriangleStrip,
+            ..PipelineDesc::default()
         },
     )
 }

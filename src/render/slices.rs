@@ -9,7 +9,7 @@ use super::pipelines::Pipelines;
 use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler};
 use crate::image::Frame;
 use crate::interface::TABLE_LEN;
-use crate::projection::composite;
+use crate::projection::{bands, composite};
 use crate::projection::{
     DrawCost, FrameSpec, ProjectError, Projector, SlicePlan, SoftNormals, TransferTable, Visibility, VisibleValues,
 };
@@ -192,5 +192,8 @@ pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
         min_cube: MIN_CUBE,
         cost: DrawCost::new(&spec.target.lattice, spec.camera, &spec.planes()),
     };
-    SlicePlan::new(&visibility, spec.camera, spec.planes())
+    SlicePlan {
+        bands: bands::count(spec),
+        ..SlicePlan::new(&visibility, spec.camera, spec.planes())
+    }
 }

@@ -93,6 +93,7 @@ pub fn pass(image: &Arc<Image>, load: Load, draws: Vec<Draw>) -> RenderPass {
             image: Arc::clone(image),
             load,
         }],
+        depth: None,
         draws,
     }
 }

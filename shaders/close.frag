@@ -1,0 +1,15 @@
+// Holds the nearest depth wherever what is accumulated hides what is behind: see src/projection/bands.rs.
+#version 450
+#include "interface.glsl"
+
+layout(binding = 0) uniform sampler2D accumulated;
+
+layout(location = 0) out vec4 color;
+
+void main() {
+    float through = 1.0 - texelFetch(accumulated, ivec2(gl_FragCoord.xy), 0).a;
+    if (through * float(HIDES_ALL_BUT) > 1.0) {
+        discard;
+    }
+    color = vec4(0.0);
+}

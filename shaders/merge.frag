@@ -1,0 +1,10 @@
+// A band as it is, to be blended under what is nearer.
+#version 450
+
+layout(binding = 0) uniform sampler2D band;
+
+layout(location = 0) out vec4 color;
+
+void main() {
+    color = texelFetch(band, ivec2(gl_FragCoord.xy), 0);
+}

@@ -1,0 +1,137 @@
+//! The images of a frame that is drawn in bands, and how bands come together.
+//!
+//! A band is drawn into a layer of its own, over nothing; then it is blended under what is accumulated. Before the next
+//! one, pixels that hide all behind them are closed: they hold the nearest depth, which no slice passes. See
+//! [`bands`](crate::projection::bands).
+
+use std::sync::Arc;
+
+use super::pipelines::Whole;
+use super::slices::{SliceRenderer, TARGET_FORMAT};
+use crate::gpu::{
+    Binding, Bindings, DEPTH_FORMAT, DepthTarget, Device, Draw, Elements, Extent, GpuError, Image, ImageRole, Load,
+    Push, RenderPass, Sampler, Target,
+};
+
+/// What all bands are put together in.
+pub struct Layers {
+    /// All bands so far.
+    pub accumulated: Arc<Image>,
+    /// Where bands are drawn, if there are several.
+    band: Option<Band>,
+}
+
+/// What a band is drawn with.
+struct Band {
+    layer: Arc<Image>,
+    depth: Arc<Image>,
+    /// Blends the layer under what is accumulated.
+    merge: Draw,
+    /// Closes pixels.
+    close: Draw,
+}
+
+impl Layers {
+    /// Images for a frame of `width` by `height` pixels in `bands` bands.
+    pub fn new(renderer: &mut SliceRenderer, [width, height]: [u32; 2], bands: usize) -> Result<Self, GpuError> {
+        let device = Arc::clone(&renderer.device);
+        let extent = Extent::D2(width, height);
+        let accumulated = color(&device, "frame", extent)?;
+        let band = match bands {
+            0 | 1 => None,
+            _ => Some(Band::new(renderer, &accumulated, extent)?),
+        };
+        Ok(Self { accumulated, band })
+    }
+
+    /// Makes the frame transparent.
+    pub fn clear(&self) -> RenderPass {
+        RenderPass {
+            targets: vec![target(&self.accumulated, Load::Clear([0.0; 4]))],
+            depth: None,
+            draws: Vec::new(),
+        }
+    }
+
+    /// Begins band `n`, counted from the nearest, with `draws`.
+    pub fn begin(&self, n: usize, draws: Vec<Draw>) -> RenderPass {
+        let Some(band) = &self.band else {
+            return self.go_on(draws);
+        };
+        let close = (n > 0).then(|| band.close.clone());
+        RenderPass {
+            targets: vec![target(&band.layer, Load::Clear([0.0; 4]))],
+            depth: Some(depth(&band.depth, Load::Clear(1.0))),
+            draws: close.into_iter().chain(draws).collect(),
+        }
+    }
+
+    /// Goes on with the band at hand.
+    pub fn go_on(&self, draws: Vec<Draw>) -> RenderPass {
+        let (image, closed) = match &self.band {
+            Some(band) => (&band.layer, Some(depth(&band.depth, Load::Keep))),
+            None => (&self.accumulated, None),
+        };
+        RenderPass {
+            targets: vec![target(image, Load::Keep)],
+            depth: closed,
+            draws,
+        }
+    }
+
+    /// Puts the band at hand behind those before it.
+    pub fn end(&self) -> Option<RenderPass> {
+        let band = self.band.as_ref()?;
+        Some(RenderPass {
+            targets: vec![target(&self.accumulated, Load::Keep)],
+            depth: None,
+            draws: vec![band.merge.clone()],
+        })
+    }
+}
+
+impl Band {
+    fn new(renderer: &mut SliceRenderer, accumulated: &Arc<Image>, extent: Extent) -> Result<Self, GpuError> {
+        let device = Arc::clone(&renderer.device);
+        let layer = color(&device, "band", extent)?;
+        let merge = whole(renderer, Whole::Merge, &layer)?;
+        Ok(Self {
+            layer,
+            depth: Image::new(&device, "closed", ImageRole::DepthTarget, DEPTH_FORMAT, extent)?,
+            merge,
+            close: whole(renderer, Whole::Close, accumulated)?,
+        })
+    }
+}
+
+/// A draw of the whole frame that reads `image` pixel by pixel.
+fn whole(renderer: &mut SliceRenderer, what: Whole, image: &Arc<Image>) -> Result<Draw, GpuError> {
+    let sampler: &Arc<Sampler> = &renderer.linear;
+    let entry = Binding::SampledImage(Arc::clone(image), Arc::clone(sampler));
+    Ok(Draw {
+        bindings: Some(Bindings::new(&renderer.device, image.label(), &[entry])?),
+        pipeline: renderer.pipelines.whole(&renderer.device, what)?,
+        push: Push::NONE,
+        stream: None,
+        elements: Elements::Vertices(0..4),
+        instances: 0..1,
+    })
+}
+
+fn color(device: &Arc<Device>, label: &str, extent: Extent) -> Result<Arc<Image>, GpuError> {
+    Image::new(device, label, ImageRole::ColorTarget, TARGET_FORMAT, extent)
+}
+
+fn target(image: &Arc<Image>, load: Load) -> Target {
+    Target {
+        image: Arc::clone(image),
+        load,
+    }
+}
+
+fn depth(image: &Arc<Image>, load: Load<f32>) -> DepthTarget {
+    DepthTarget {
+        image: Arc::clone(image),
+        load,
+    }
+}
