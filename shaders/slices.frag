@@ -12,19 +12,22 @@ layout(constant_id = 4) const bool PERSPECTIVE = false;
 
 layout(binding = 0) uniform sampler3D values;
 layout(binding = 1) uniform sampler3D normals;
-layout(binding = 2) uniform sampler2D table;
-layout(std140, binding = 3) uniform FrameBlock { FrameData frame; };
+layout(binding = 2) uniform sampler1D table;
 
 layout(location = 0) in vec3 texture_at;
 layout(location = 1) in vec2 ray_slope;
 layout(location = 2) flat in float cue;
+// What a frame's lights are, by the vertex shader: lavapipe gathers from a uniform for each pixel what it hands on for nothing.
+layout(location = 3) flat in vec4 material;
+layout(location = 4) flat in vec4 lights[MAX_LIGHTS];
+layout(location = 9) flat in vec4 half_ways[MAX_LIGHTS];
 
 layout(location = 0) out vec4 color;
 
 // Premultiplied colour and opacity of one slab of ray.
 vec4 classify(float fraction, float path_per_depth) {
-    int entry = int(clamp(fraction, 0.0, 1.0) * float(TABLE_LEN - 1) + 0.5);
-    vec4 c = texelFetch(table, ivec2(entry, 0), 0);
+    const float LAST = float(TABLE_LEN - 1);
+    vec4 c = texture(table, (clamp(fraction, 0.0, 1.0) * LAST + 0.5) / float(TABLE_LEN));
     if (PERSPECTIVE && c.a > 0.0) {
         float longer = 1.0 - pow(max(1.0 - c.a, 0.0), path_per_depth);
         c = vec4(c.rgb * (longer / c.a), longer);
@@ -32,27 +35,32 @@ vec4 classify(float fraction, float path_per_depth) {
     return c;
 }
 
+// A normal of stored numbers, of which 32768 stands for 0.
+vec3 normal(vec3 stored) {
+    return (stored * 65535.0 - 32768.0) / 32767.0;
+}
+
 // The factor of a colour and the white highlight: see src/projection/light.rs.
 vec2 respond(vec3 m) {
     float diffuse = 0.0;
     float specular = 0.0;
     for (uint i = 0; i < LIGHTS; ++i) {
-        float intensity = frame.lights[i].w;
-        diffuse += intensity * abs(dot(m, frame.lights[i].xyz));
-        float shine = abs(dot(m, frame.half_ways[i].xyz));
+        float intensity = lights[i].w;
+        diffuse += intensity * abs(dot(m, lights[i].xyz));
+        float shine = abs(dot(m, half_ways[i].xyz));
         for (uint s = 0; s < SHININESS_LOG2; ++s) {
             shine *= shine;
         }
         specular += intensity * shine;
     }
     float size = length(m);
-    return vec2(1.0 - size + frame.material.x * size + frame.material.y * diffuse, frame.material.z * specular);
+    return vec2(1.0 - size + material.x * size + material.y * diffuse, material.z * specular);
 }
 
 void main() {
-    vec4 stored = textureLod(values, texture_at, 0.0);
+    vec4 stored = texture(values, texture_at);
     float coverage = MIXED ? stored.g : 1.0;
-    float weighted = frame.values.x * stored.r + frame.values.y * coverage;
+    float weighted = stored.r;
     float path_per_depth = PERSPECTIVE ? sqrt(1.0 + dot(ray_slope, ray_slope)) : 1.0;
     switch (MODE) {
     case MODE_MIP:
@@ -77,9 +85,7 @@ void main() {
         light = vec2(1.0, 0.0);
         break;
     default:
-        light = respond(MIXED
-            ? textureLod(normals, texture_at, 0.0).gba * frame.normals.z + frame.normals.w
-            : stored.gba * frame.normals.x + frame.normals.y);
+        light = respond(normal((MIXED ? texture(normals, texture_at) : stored).gba));
     }
     color = vec4(cue * (light.x * c.rgb + light.y * c.a), c.a) * coverage;
 }

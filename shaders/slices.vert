@@ -15,6 +15,9 @@ layout(location = 0) out vec3 texture_at;
 // Eye-space x and y over depth: constant on a pixel, whatever the slice.
 layout(location = 1) out vec2 ray_slope;
 layout(location = 2) flat out float cue;
+layout(location = 3) flat out vec4 material;
+layout(location = 4) flat out vec4 lights[MAX_LIGHTS];
+layout(location = 9) flat out vec4 half_ways[MAX_LIGHTS];
 
 void main() {
     BoxData b = boxes[box_index];
@@ -31,5 +34,8 @@ void main() {
     texture_at = b.texture_origin.xyz + b.texture_size.xyz * unit;
     ray_slope = PERSPECTIVE ? eye / depth_mm : vec2(0.0);
     cue = 1.0 - frame.cue.z * clamp((depth_mm - frame.cue.x) * frame.cue.y, 0.0, 1.0);
+    material = frame.material;
+    lights = frame.lights;
+    half_ways = frame.half_ways;
     gl_Position = vec4((PERSPECTIVE ? ray_slope : eye) * frame.lens.xy, 0.5, 1.0);
 }

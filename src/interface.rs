@@ -103,10 +103,6 @@ structures! {
         pub lens: Vec4,
         /// Depth at which the depth cue begins, one over the depth that it spans, and its strength.
         pub cue: Vec4,
-        /// Scale and offset from stored values to fractions of the value range.
-        pub values: Vec4,
-        /// Scale and offset from stored numbers to components of normals: those beside values, then those apart.
-        pub normals: Vec4,
         /// Ambient, diffuse and specular factors.
         pub material: Vec4,
         /// Unit vectors towards the lights in the frame of the normals, and their intensities.

@@ -158,7 +158,11 @@ impl Scene {
                 ..draw.clone()
             }];
             let mut recording = Recording::new();
-            recording.render(RenderPass { targets, depth: None, draws });
+            recording.render(RenderPass {
+                targets,
+                depth: None,
+                draws,
+            });
             recording
         };
         Ok((0..LAYERS).step_by(STEP as usize).map(part).collect())

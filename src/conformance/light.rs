@@ -35,12 +35,10 @@ impl LightSpans {
     }
 
     /// The factor of the colour and the white highlight: the interval extension of [`Shading::response`].
-    /// `apart` says whether the normal may come from a mixed block's image of 8 bits, or surely from 16 bits.
-    pub(super) fn over(&self, normal: &[Span; 3], apart: bool) -> (Span, Span) {
-        let steps = if apart { 127.0 } else { 32767.0 };
-        // In units of a normal: the steps of the sum, then one product and one difference.
-        let read = self.precision.sum_steps / steps + (255.0 / 127.0) * self.precision.sum;
-        let m = normal.map(|part| part.widened(read + 4.0 * ULP));
+    pub(super) fn over(&self, normal: &[Span; 3]) -> (Span, Span) {
+        // In units of a normal: the steps of the sum, then a product, a difference and a quotient.
+        let read = self.precision.sum_steps / 32767.0 + (65535.0 / 32767.0) * self.precision.sum;
+        let m = normal.map(|part| part.widened(read + 6.0 * ULP));
         let squares = m.map(Span::squared);
         let length = (squares[0] + squares[1] + squares[2])
             .rising(f64::sqrt)
@@ -83,15 +81,6 @@ mod tests {
     use crate::projection::Light;
     use proptest::prelude::*;
 
-    const EXACT: Precision = Precision {
-        vertex_px: 0.0,
-        weight: 0.0,
-        interpolated: 0.0,
-        coordinate: 0.0,
-        sum_steps: 0.0,
-        sum: 0.0,
-    };
-
     fn lights() -> LightSpans {
         let shading = Shading::default();
         let world = |light: &Light| WorldLight {
@@ -102,7 +91,7 @@ mod tests {
         LightSpans {
             lights: shading.lights.iter().map(world).collect(),
             shading,
-            precision: EXACT,
+            precision: Precision::EXACT,
         }
     }
 
@@ -117,7 +106,7 @@ mod tests {
             let normal = middle.map(|part| Span::around(part, reach));
             let m = DVec3::from_array(middle) + reach * DVec3::from_array(at);
             let (factor, highlight) = lights.shading.response(m);
-            let (factors, highlights) = lights.over(&normal, false);
+            let (factors, highlights) = lights.over(&normal);
             prop_assert!(factors.lo <= factor && factor <= factors.hi);
             prop_assert!(highlights.lo <= highlight && highlight <= highlights.hi);
         }

@@ -1,6 +1,4 @@
-//! Soft normals as they are stored: in bytes, of which 128 stands for 0 and a step for 1/127, or in 16 bits likewise.
-//!
-//! Which of the two a sample near the face between a covered and a mixed block reads is not known, so a bound holds both.
+//! Soft normals as they are stored: in 16 bits, of which 32768 stands for 0 and a step for 1/32767.
 
 use super::precision::ULP;
 use super::span::Span;
@@ -11,7 +9,7 @@ use glam::DVec3;
 /// Makes the normals that a voxel may have been given.
 pub(super) struct StoredNormals {
     soft: SoftNormals,
-    /// Error of a part of a normal in single precision and 16 bits.
+    /// Error of a part of a normal in single precision.
     error: f64,
 }
 
@@ -23,18 +21,18 @@ impl StoredNormals {
         let m = soft.matrix();
         let steepest = (0..3).map(|row| m.row(row).abs().element_sum()).fold(0.0, f64::max);
         // A difference of two fractions times the matrix (its softening only shrinks errors), and six operations up to
-        // the rounding to a byte on numbers of up to 1.
+        // the rounding to 16 bits on numbers of up to 1.
         let gradient = steepest * (fraction_rounding(spec.target.value_range) + 4.0 * ULP);
         Some(Self {
             soft,
-            error: gradient + 6.0 * ULP + 0.5 / 32767.0,
+            error: gradient + 6.0 * ULP,
         })
     }
 
     /// From the exact normal for half the differences of a voxel's neighbours to the stored one, so that the exact picture is
     /// within bounds too. Which way a part was rounded is known, unless it lies next to the middle between two steps.
     pub(super) fn at(&self, half_difference: DVec3) -> [Span; 3] {
-        let stored = |part: f64| ((127.0 * part + 128.5).floor() - 128.0) / 127.0;
+        let stored = |part: f64| ((32767.0 * part + 32768.5).floor() - 32768.0) / 32767.0;
         let normal = self.soft.normal(half_difference).to_array();
         normal.map(|part| Span::around(part, self.error).rising(stored).with(part))
     }

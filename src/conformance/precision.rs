@@ -31,6 +31,17 @@ pub struct Precision {
 }
 
 impl Precision {
+    /// What no device is: for tests of the rest.
+    #[cfg(test)]
+    pub(super) const EXACT: Self = Self {
+        vertex_px: 0.0,
+        weight: 0.0,
+        interpolated: 0.0,
+        coordinate: 0.0,
+        sum_steps: 0.0,
+        sum: 0.0,
+    };
+
     /// The least that Vulkan lets a device of these limits do.
     pub fn least(limits: &DeviceLimits) -> Self {
         // A product and a sum for each of the two edges along which a triangle is interpolated.

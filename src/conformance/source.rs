@@ -17,7 +17,7 @@ pub(super) struct Sources<'a> {
     table: TableSpans,
     lights: Option<LightSpans>,
     storage: Storage,
-    /// Error of a filtered value and of a filtered coverage, in units of the format's largest number.
+    /// Error of a filtered value and of a filtered coverage: steps of the format, and of single precision.
     sum: f64,
     near_mm: f64,
     far_mm: f64,
@@ -34,10 +34,10 @@ impl<'a> Sources<'a> {
     pub(super) fn new(spec: &'a FrameSpec<'a>, storage: &Storage, precision: &Precision, depth_mm: [f64; 2]) -> Self {
         Self {
             spec,
-            table: TableSpans::new(&spec.table()),
+            table: TableSpans::new(&spec.table(), precision),
             lights: spec.shading().map(|shading| LightSpans::new(spec, shading, precision)),
             storage: *storage,
-            sum: precision.sum_steps * storage.step + precision.sum,
+            sum: precision.sum_steps * Storage::STEP + precision.sum,
             near_mm: depth_mm[0],
             far_mm: depth_mm[1],
         }
@@ -63,7 +63,7 @@ impl<'a> Sources<'a> {
         let (factor, highlight) = self
             .lights
             .as_ref()
-            .map_or((Span::ONE, Span::ZERO), |lights| lights.over(&hull.normal, hull.mixed));
+            .map_or((Span::ONE, Span::ZERO), |lights| lights.over(&hull.normal));
         let cue = self.cue(depth);
         // Three products and a sum, and the product with the cue and with the coverage.
         let lit = |c: Span| ((factor * c + highlight * alpha) * cue * coverage).relaxed(6.0 * ULP);
@@ -71,31 +71,22 @@ impl<'a> Sources<'a> {
     }
 
     fn filtered(&self, hull: &Hull) -> Filtered {
-        let Storage {
-            scale,
-            offset,
-            rounding,
-            step,
-            ..
-        } = self.storage;
         // What is partly covered is rounded where it is stored, its value too.
-        let covering = if hull.crisp { 0.0 } else { 0.5 * step };
-        let read = self.sum + rounding.max(covering);
-        let arithmetic = 3.0 * ULP * (scale.abs() + offset.abs());
+        let covering = if hull.crisp { 0.0 } else { 0.5 * Storage::STEP };
+        let by = self.sum + self.storage.rounding.max(covering);
         if !hull.mixed {
-            let fraction = hull.weighted.widened(scale.abs() * read + arithmetic);
+            let fraction = hull.weighted.widened(by);
             return Filtered {
                 weighted: fraction,
                 coverage: Span::ONE,
                 fraction,
             };
         }
-        let coverage_read = self.sum + covering;
-        let by = scale.abs() * read + offset.abs() * coverage_read + arithmetic;
+        let coverage_by = self.sum + covering;
         Filtered {
             weighted: hull.weighted.widened(by),
-            coverage: hull.coverage.widened(coverage_read).not_negative(),
-            fraction: quotient(hull, by, coverage_read),
+            coverage: hull.coverage.widened(coverage_by).not_negative(),
+            fraction: quotient(hull, by, coverage_by),
         }
     }
 

@@ -8,8 +8,8 @@ use super::pipeline::PUSH_STAGES;
 use super::track::{Barriers, Tracker};
 use super::uses::track;
 use super::{
-    Bindings, Buffer, BufferCopy, BufferRole, Command, Device, Draw, Elements, GpuError, GraphicsPipeline, ImageCopy,
-    DepthTarget, Load, Push, Recording, RenderPass, Target,
+    Bindings, Buffer, BufferCopy, BufferRole, Command, DepthTarget, Device, Draw, Elements, GpuError, GraphicsPipeline,
+    ImageCopy, Load, Push, Recording, RenderPass, Target,
 };
 
 /// Writes commands, all in one command buffer that is being recorded.

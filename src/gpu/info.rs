@@ -2,8 +2,8 @@
 
 use ash::vk;
 
-use super::image::DEPTH_FORMAT;
 use super::Instance;
+use super::image::DEPTH_FORMAT;
 use super::instance::version_text;
 
 /// What a caller needs of a device beyond Vulkan 1.3's core.

@@ -42,7 +42,8 @@ pub use instance::Instance;
 pub use pipeline::GraphicsPipeline;
 pub use pipeline_parts::{Attribute, Blend, Depth, PipelineDesc, StepRate, Topology, VertexInput};
 pub use recording::{
-    BufferCopy, Command, DepthTarget, Draw, Elements, ImageCopy, Load, Push, Recording, Region, RenderPass, Stream, Target,
+    BufferCopy, Command, DepthTarget, Draw, Elements, ImageCopy, Load, Push, Recording, Region, RenderPass, Stream,
+    Target,
 };
 pub use sampler::{Filter, Sampler};
 pub use select::DeviceSelector;

@@ -3,7 +3,6 @@
 use glam::{DMat3, DVec3};
 
 use super::pages::{PagedTarget, texture_map};
-use super::texels::Encoding;
 use crate::interface::{
     BoxData, FrameData, MAX_SEGMENTS, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE, MODE_MINIP, MODE_MIP,
     MODE_XRAY, MovingVertexData, TEMPLATE_VERTICES, TemplateData,
@@ -33,13 +32,10 @@ pub fn mode_constant(mode: Mode) -> u32 {
 }
 
 /// What is the same for all slices.
-pub fn frame_data(spec: &FrameSpec, plan: &SlicePlan, encoding: Encoding) -> FrameData {
+pub fn frame_data(spec: &FrameSpec, plan: &SlicePlan) -> FrameData {
     let map = &plan.eye_from_lattice;
     let row = |a: usize| vec4(map.matrix3.row(a), map.translation[a]);
     let depth = spec.target.lattice.bounds().transformed(map);
-    let [scale, offset] = encoding.fraction_of_stored(spec.target.value_range);
-    let beside = encoding.normal_of_stored();
-    let apart = Encoding::Bytes.normal_of_stored();
     let span = (depth.max.z - depth.min.z).max(f64::MIN_POSITIVE);
     let mut data = FrameData {
         eye_from_lattice: [row(0), row(1), row(2)],
@@ -50,8 +46,6 @@ pub fn frame_data(spec: &FrameSpec, plan: &SlicePlan, encoding: Encoding) -> Fra
             spec.settings.depth_cue.strength,
             0.0,
         ],
-        values: [scale, offset, 0.0, 0.0],
-        normals: [beside[0], beside[1], apart[0], apart[1]],
         ..bytemuck::Zeroable::zeroed()
     };
     if let Some(shading) = spec.shading() {

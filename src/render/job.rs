@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::frame;
-use super::pages::{Page, PagedTarget};
 use super::layers::Layers;
+use super::pages::{Page, PagedTarget};
 use super::slices::{SliceRenderer, TABLE_FORMAT};
 use crate::gpu::{
     Binding, Bindings, Buffer, BufferRole, Device, Draw, Elements, Extent, GpuError, GraphicsPipeline, Image,
@@ -152,11 +152,11 @@ impl Shared {
                 bindings: Vec::new(),
             });
         }
-        let extent = Extent::D2(TABLE_LEN, 1);
+        let extent = Extent::D1(TABLE_LEN);
         let table_image = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
         let entries = Buffer::with_data(device, "transfer table", table.entries())?;
         recording.upload(&entries, &table_image);
-        let data = frame::frame_data(spec, plan, paged.encoding);
+        let data = frame::frame_data(spec, plan);
         let uniform = Buffer::with_data(device, "frame data", &[data])?;
         let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;
         let templates = Buffer::with_data(device, "templates", &frame::templates(plan))?;
@@ -165,7 +165,7 @@ impl Shared {
             let entries = [
                 sampled(&page.values),
                 sampled(page.normals.as_ref().unwrap_or(&page.values)),
-                sampled(&table_image),
+                Binding::SampledImage(Arc::clone(&table_image), Arc::clone(&renderer.nearest)),
                 Binding::Uniform(Arc::clone(&uniform)),
                 Binding::Storage(Arc::clone(&boxes)),
                 Binding::Storage(Arc::clone(&templates)),
@@ -199,9 +199,10 @@ impl Shared {
             while end < part.end && page_of(end) == page {
                 end += 1;
             }
-            let pipeline = renderer
-                .pipelines
-                .slices(&renderer.device, spec, paged.pages[page].mixed, plan.bands > 1)?;
+            let pipeline =
+                renderer
+                    .pipelines
+                    .slices(&renderer.device, spec, paged.pages[page].mixed, plan.bands > 1)?;
             draws.push(self.draw(renderer, pipeline, page, begin as u32..end as u32));
             begin = end;
         }

@@ -11,4 +11,3 @@ mod texels;
 
 pub use pages::{Page, PagedTarget, Slot};
 pub use slices::{SliceRenderer, Slices, Timings, plan, soft_normals};
-pub use texels::Encoding;

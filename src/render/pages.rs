@@ -13,7 +13,6 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::pieces::{self, Piece, PieceTexels};
-use super::texels::Encoding;
 use crate::gpu::{
     Buffer, BufferRole, Command, Device, Extent, Format, GpuError, Image, ImageCopy, ImageRole, Recording, Region,
 };
@@ -58,22 +57,13 @@ pub struct PagedTarget {
     pub slots: Vec<Slot>,
     /// The cells of each block.
     pub cells: Vec<CellRanges>,
-    /// How values are stored.
-    pub encoding: Encoding,
 }
 
 /// The formats of values and normals that pages use; a device must filter all of them linearly.
-pub const FORMATS: [Format; 6] = [
-    Format::R8_UNORM,
-    Format::R8G8_UNORM,
-    Format::R16_UNORM,
-    Format::R16G16_UNORM,
-    NORMAL_FORMAT,
-    Format::R16G16B16A16_UNORM,
-];
+pub const FORMATS: [Format; 3] = [Format::R16_UNORM, Format::R16G16_UNORM, NORMAL_FORMAT];
 
-/// The format of normals that are apart from values.
-const NORMAL_FORMAT: Format = Format::R8G8B8A8_UNORM;
+/// The format of normals, with values or an empty channel before them.
+const NORMAL_FORMAT: Format = Format::R16G16B16A16_UNORM;
 
 impl PagedTarget {
     /// Reconstructs all blocks of `target` and uploads them, with normals if `normals` says how. `progress` is told the
@@ -87,23 +77,21 @@ impl PagedTarget {
         normals: Option<&SoftNormals>,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Self, GpuError> {
-        let encoding = Encoding::of(target, normals.is_some());
-        let (plans, slots) = arrange(target, encoding, device.info().limits.image_dimension_3d);
+        let (plans, slots) = arrange(target, device.info().limits.image_dimension_3d);
         let pages = plans
             .iter()
-            .map(|plan| plan.allocate(device, encoding, normals.is_some()))
+            .map(|plan| plan.allocate(device, normals.is_some()))
             .collect::<Result<Vec<_>, _>>()?;
         let mut paged = Self {
             pages,
             slots,
             cells: empty_cells(target),
-            encoding,
         };
         let all = pieces::pieces(target);
         let mut rest = &all[..];
         while !rest.is_empty() {
             let (batch, later) = rest.split_at(batch_len(rest));
-            let filled = pieces::fill(target, batch, encoding, normals);
+            let filled = pieces::fill(target, batch, normals);
             paged.upload(device, batch, &filled)?;
             for (piece, texels) in batch.iter().zip(&filled) {
                 paged.cells[piece.index].ranges.extend(&texels.cells.ranges);
@@ -170,7 +158,8 @@ impl<'a> Stage<'a> {
     /// Every texel size divides it.
     const ALIGNMENT: usize = 16;
 
-    fn add(&mut self, image: &'a Arc<Image>, region: Region, texels: &'a [u8]) {
+    fn add(&mut self, image: &'a Arc<Image>, region: Region, texels: &'a [u16]) {
+        let texels: &[u8] = bytemuck::cast_slice(texels);
         self.copies.push((image, region, self.bytes));
         self.parts.push((self.bytes, texels));
         self.bytes += texels.len().next_multiple_of(Self::ALIGNMENT);
@@ -206,7 +195,7 @@ struct PagePlan {
 }
 
 /// Places every block of `target` in a page.
-fn arrange(target: &Target, encoding: Encoding, longest_edge: u32) -> (Vec<PagePlan>, Vec<Slot>) {
+fn arrange(target: &Target, longest_edge: u32) -> (Vec<PagePlan>, Vec<Slot>) {
     let mut classes: BTreeMap<(bool, [usize; 3]), Vec<usize>> = BTreeMap::new();
     for (index, block) in target.blocks.iter().enumerate() {
         let class = (block.layout == Layout::Mixed, cell_dims(block));
@@ -221,7 +210,7 @@ fn arrange(target: &Target, encoding: Encoding, longest_edge: u32) -> (Vec<PageP
         target.blocks.len()
     ];
     for ((mixed, cell), blocks) in classes {
-        let texel = encoding.bytes() * (1 + usize::from(mixed));
+        let texel = size_of::<u16>() * (1 + usize::from(mixed));
         let most = (PAGE_BYTES / (texel * cell.iter().product::<usize>())).max(1);
         let limit = cell.map(|edge| (longest_edge as usize / edge).max(1));
         for chunk in blocks.chunks(most.min(limit.iter().product())) {
@@ -264,7 +253,7 @@ fn near_cube(n: usize, limit: [usize; 3]) -> [usize; 3] {
 }
 
 impl PagePlan {
-    fn allocate(&self, device: &Arc<Device>, encoding: Encoding, lit: bool) -> Result<Page, GpuError> {
+    fn allocate(&self, device: &Arc<Device>, lit: bool) -> Result<Page, GpuError> {
         let dims = self.dims.map(|n| n as u32);
         let image = |label: &str, format| {
             let [width, height, depth] = dims;
@@ -275,7 +264,7 @@ impl PagePlan {
         Ok(Page {
             mixed: self.mixed,
             dims,
-            values: image("values of target blocks", value_format(encoding, self.mixed, lit))?,
+            values: image("values of target blocks", value_format(self.mixed, lit))?,
             normals: beside
                 .then(|| image("normals of target blocks", NORMAL_FORMAT))
                 .transpose()?,
@@ -283,13 +272,11 @@ impl PagePlan {
     }
 }
 
-fn value_format(encoding: Encoding, mixed: bool, lit: bool) -> Format {
-    match (encoding, mixed, lit) {
-        (Encoding::Bytes, true, _) => Format::R8G8_UNORM,
-        (Encoding::Bytes, false, _) => Format::R8_UNORM,
-        (Encoding::Fractions(_), true, _) => Format::R16G16_UNORM,
-        (Encoding::Fractions(_), false, true) => Format::R16G16B16A16_UNORM,
-        (Encoding::Fractions(_), false, false) => Format::R16_UNORM,
+fn value_format(mixed: bool, lit: bool) -> Format {
+    match (mixed, lit) {
+        (true, _) => Format::R16G16_UNORM,
+        (false, true) => NORMAL_FORMAT,
+        (false, false) => Format::R16_UNORM,
     }
 }
 

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::texels::{self, Encoding, NormalRows, Rows};
+use super::texels::{self, NormalRows, Rows};
+use crate::math::Interval;
 use crate::projection::SoftNormals;
 use crate::target::{Block, BlockVoxels, CELL, CellRanges, Layout, Target};
 
@@ -27,9 +28,9 @@ pub struct Piece {
 /// What a piece becomes.
 pub struct PieceTexels {
     /// Value texels, with normals beside them if the block is covered and the target lit.
-    pub values: Vec<u8>,
+    pub values: Vec<u16>,
     /// Normal texels of a mixed block of a lit target; a covered one has them in its values.
-    pub normals: Vec<u8>,
+    pub normals: Vec<u16>,
     /// The slab's cells.
     pub cells: CellRanges,
 }
@@ -89,21 +90,21 @@ pub fn stored_dims(block: &Block) -> [usize; 3] {
 }
 
 /// Reconstructs pieces side by side.
-pub fn fill(target: &Target, pieces: &[Piece], encoding: Encoding, normals: Option<&SoftNormals>) -> Vec<PieceTexels> {
+pub fn fill(target: &Target, pieces: &[Piece], normals: Option<&SoftNormals>) -> Vec<PieceTexels> {
     pieces
         .par_iter()
-        .map(|piece| fill_one(target, piece, encoding, normals))
+        .map(|piece| fill_one(target, piece, normals))
         .collect()
 }
 
-fn fill_one(target: &Target, piece: &Piece, encoding: Encoding, normals: Option<&SoftNormals>) -> PieceTexels {
+fn fill_one(target: &Target, piece: &Piece, normals: Option<&SoftNormals>) -> PieceTexels {
     let slab = &piece.slab;
     if slab.layout == Layout::Uniform {
-        return uniform(slab, encoding, normals.is_some());
+        return uniform(slab, target.value_range, normals.is_some());
     }
     let Some(soft) = normals else {
         let voxels = BlockVoxels::reconstruct(target, slab, Block::APRON);
-        let rows = Rows::new(slab, &voxels, encoding);
+        let rows = Rows::new(slab, &voxels, target.value_range);
         return PieceTexels {
             values: rows.values(piece.planes.clone()),
             normals: Vec::new(),
@@ -111,7 +112,7 @@ fn fill_one(target: &Target, piece: &Piece, encoding: Encoding, normals: Option<
         };
     };
     let voxels = BlockVoxels::reconstruct(target, slab, Block::REACH);
-    let rows = Rows::new(slab, &voxels, encoding);
+    let rows = Rows::new(slab, &voxels, target.value_range);
     let normal_rows = NormalRows::new(soft, target.value_range, &target.lattice, slab, &voxels);
     let (values, normals) = if slab.layout == Layout::Mixed {
         let planes = piece.planes.clone();
@@ -127,10 +128,10 @@ fn fill_one(target: &Target, piece: &Piece, encoding: Encoding, normals: Option<
     }
 }
 
-fn uniform(block: &Block, encoding: Encoding, lit: bool) -> PieceTexels {
+fn uniform(block: &Block, range: Interval, lit: bool) -> PieceTexels {
     const TEXELS: usize = UNIFORM_EDGE * UNIFORM_EDGE * UNIFORM_EDGE;
     PieceTexels {
-        values: texels::uniform(encoding, block.range.value.lo, lit, TEXELS),
+        values: texels::uniform(range, block.range.value.lo, lit, TEXELS),
         normals: Vec::new(),
         cells: CellRanges::uniform(block),
     }

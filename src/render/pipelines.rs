@@ -53,7 +53,9 @@ impl Pipelines {
     ) -> Result<Arc<GraphicsPipeline>, GpuError> {
         let variant = variant(spec, mixed, banded);
         let blending = spec.settings.mode.blending();
-        made(&mut self.slices, variant, || slices_pipeline(device, &variant, blending))
+        made(&mut self.slices, variant, || {
+            slices_pipeline(device, &variant, blending)
+        })
     }
 
     /// The pipeline that does `what`, with one image bound.

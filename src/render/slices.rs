@@ -9,10 +9,10 @@ use super::pipelines::Pipelines;
 use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler};
 use crate::image::Frame;
 use crate::interface::TABLE_LEN;
-use crate::projection::{bands, composite};
 use crate::projection::{
     DrawCost, FrameSpec, ProjectError, Projector, SlicePlan, SoftNormals, TransferTable, Visibility, VisibleValues,
 };
+use crate::projection::{bands, composite};
 
 /// The format that slices are blended in.
 pub const TARGET_FORMAT: Format = Format::R32G32B32A32_SFLOAT;
@@ -42,6 +42,7 @@ pub struct Timings {
 pub struct SliceRenderer {
     pub(super) device: Arc<Device>,
     pub(super) linear: Arc<Sampler>,
+    pub(super) nearest: Arc<Sampler>,
     pub(super) fan: Arc<Buffer>,
     pub(super) pipelines: Pipelines,
 }
@@ -49,15 +50,7 @@ pub struct SliceRenderer {
 impl SliceRenderer {
     /// What a device must have.
     pub const REQUIREMENTS: Requirements<'static> = Requirements {
-        sampled_linear: &[
-            FORMATS[0],
-            FORMATS[1],
-            FORMATS[2],
-            FORMATS[3],
-            FORMATS[4],
-            FORMATS[5],
-            TABLE_FORMAT,
-        ],
+        sampled_linear: &[FORMATS[0], FORMATS[1], FORMATS[2], TABLE_FORMAT],
         blended: &[TARGET_FORMAT],
         features: &[],
         image_dimension_3d: 256,
@@ -71,6 +64,7 @@ impl SliceRenderer {
         Ok(Self {
             device: Arc::clone(device),
             linear: Sampler::new(device, Filter::Linear)?,
+            nearest: Sampler::new(device, Filter::Nearest)?,
             fan: Buffer::with_data(device, "fan", &FAN)?,
             pipelines: Pipelines::default(),
         })

@@ -1,94 +1,36 @@
-//! Reconstructed voxels as texels: values, coverages and soft normals as unsigned fractions of 8 or 16 bits.
+//! Reconstructed voxels as texels: values, coverages and soft normals as unsigned fractions of 16 bits.
 //!
 //! *Practice.* A texel of a covered block is its value, and in a lit target its soft normal beside it: one fetch brings both.
-//! A texel of a mixed block is value times coverage and coverage; its normals lie in an image of their own.
+//! A texel of a mixed block is value times coverage and coverage; its normals lie in an image of their own. Values are fractions of the
+//! target's value range. Sixteen bits hold bytes exactly enough, and are filtered in single precision where 8 bits are in
+//! fixed point: on lavapipe that is more exact and a tenth faster (`cargo bench --bench device`).
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use crate::math::Interval;
-use crate::model::{Source, Tree, ValueRule};
 use crate::projection::{EMPTY_BELOW, SoftNormals};
-use crate::target::{Block, BlockVoxels, Lattice, Target};
-use crate::volume::VoxelType;
+use crate::target::{Block, BlockVoxels, Lattice};
 
-/// How values become stored numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Encoding {
-    /// Whole numbers 0 to 255 as they are, in 8 bits: nothing is lost.
-    Bytes,
-    /// Fractions of the target's value range, in 16 bits.
-    Fractions(Interval),
+/// The largest stored number, which stands for 1.
+const LARGEST: f32 = 65535.0;
+
+/// The stored number that stands for no gradient along an axis, so that none is exactly none, and how far 1 and −1 are from it.
+/// shaders/slices.frag knows them too.
+const NO_GRADIENT: f32 = 32768.0;
+const HALF: f32 = 32767.0;
+
+/// Stores a fraction of 1. Rust's float casts saturate.
+#[inline(always)]
+fn stored(fraction: f32) -> u16 {
+    (fraction * LARGEST + 0.5) as u16
 }
 
-impl Encoding {
-    /// The encoding that suits `target`: bytes if its voxels are all copies of bytes. A `lit` target's normals want more
-    /// than 8 bits, and four channels of 16 bits are fetched no slower than of 8 (`cargo bench --bench device`).
-    pub fn of(target: &Target, lit: bool) -> Self {
-        if !lit && makes_bytes(&target.tree) {
-            Self::Bytes
-        } else {
-            Self::Fractions(target.value_range)
-        }
-    }
-
-    /// Bytes of one stored number.
-    pub fn bytes(self) -> usize {
-        match self {
-            Self::Bytes => 1,
-            Self::Fractions(_) => 2,
-        }
-    }
-
-    /// The largest stored number, which stands for 1.
-    fn largest(self) -> f32 {
-        match self {
-            Self::Bytes => 255.0,
-            Self::Fractions(_) => 65535.0,
-        }
-    }
-
-    /// Scale and offset from what a shader reads (value and coverage) to fractions of `range`.
-    pub fn fraction_of_stored(self, range: Interval) -> [f32; 2] {
-        match self {
-            Self::Bytes if range.width() > 0.0 => [255.0 / range.width(), -range.lo / range.width()],
-            Self::Bytes => [0.0, 0.0],
-            Self::Fractions(_) => [1.0, 0.0],
-        }
-    }
-
-    /// Scale and offset from what a shader reads to the components of a normal: with the middle number standing for 0, no
-    /// gradient is exactly none.
-    pub fn normal_of_stored(self) -> [f32; 2] {
-        let half = (self.largest() - 1.0) * 0.5;
-        [self.largest() / half, -(half + 1.0) / half]
-    }
-
-    /// Scales of value times coverage and of coverage that sum up to the stored fraction of 1.
-    fn stored_of_value(self) -> [f32; 2] {
-        match self {
-            Self::Bytes => [1.0 / 255.0, 0.0],
-            Self::Fractions(range) => fraction_scales(range),
-        }
-    }
-
-    /// Stores a fraction of 1. Rust's float casts saturate.
-    #[inline(always)]
-    fn put(self, fraction: f32, out: &mut [u8]) {
-        let number = fraction * self.largest() + 0.5;
-        match self {
-            Self::Bytes => out[0] = number as u8,
-            Self::Fractions(_) => out.copy_from_slice(&(number as u16).to_ne_bytes()),
-        }
-    }
-
-    /// Stores a component of a normal, in [−1, 1].
-    #[inline(always)]
-    fn put_normal(self, component: f32, out: &mut [u8]) {
-        let half = (self.largest() - 1.0) * 0.5;
-        self.put((component * half + half + 1.0) / self.largest(), out);
-    }
+/// Stores a component of a normal, in [−1, 1].
+#[inline(always)]
+fn stored_normal(component: f32) -> u16 {
+    (component * HALF + (NO_GRADIENT + 0.5)) as u16
 }
 
 /// The scales of value times coverage and of coverage that sum up to the fraction of `range` times coverage.
@@ -100,60 +42,34 @@ fn fraction_scales(range: Interval) -> [f32; 2] {
     }
 }
 
-/// Whether every sample of the tree at a lattice point is a whole number of 0 to 255: all volumes are bytes on the lattice
-/// itself, and no operation makes other numbers of them.
-fn makes_bytes(tree: &Tree) -> bool {
-    let keeps_bytes = |rule: ValueRule| {
-        matches!(
-            rule,
-            ValueRule::First | ValueRule::Second | ValueRule::Max | ValueRule::Min
-        )
-    };
-    !tree.has_maps()
-        && tree.operators().iter().all(|o| keeps_bytes(o.rule))
-        && tree.leaves().iter().all(|leaf| match &leaf.source {
-            Source::Volume(volume) => {
-                volume.bricks.voxel_type() == VoxelType::U8 && steps_whole(&leaf.local_from_frame)
-            }
-            Source::Primitive { value, .. } => value.fract() == 0.0 && (0.0..=255.0).contains(value),
-        })
-}
-
-/// Whether a map takes whole numbers to whole numbers.
-fn steps_whole(map: &glam::DAffine3) -> bool {
-    let m = &map.matrix3;
-    [m.x_axis, m.y_axis, m.z_axis, map.translation]
-        .into_iter()
-        .all(|v: DVec3| v.round() == v)
-}
-
 /// The texels of a fully covered block of one value: `count` of them.
-pub fn uniform(encoding: Encoding, value: f32, lit: bool, count: usize) -> Vec<u8> {
-    let size = encoding.bytes();
-    let mut texel = vec![0; size * if lit { 4 } else { 1 }];
-    let [scale, offset] = encoding.stored_of_value();
-    encoding.put(scale * value + offset, &mut texel[..size]);
-    for component in texel.chunks_exact_mut(size).skip(1) {
-        encoding.put_normal(0.0, component);
+pub fn uniform(range: Interval, value: f32, lit: bool, count: usize) -> Vec<u16> {
+    let [scale, offset] = fraction_scales(range);
+    let value = stored(scale * value + offset);
+    if lit {
+        let none = stored_normal(0.0);
+        [value, none, none, none].repeat(count)
+    } else {
+        vec![value; count]
     }
-    texel.repeat(count)
 }
 
 /// A reconstructed block on its way to texels, seen without the apron that only normals need.
 pub struct Rows<'a> {
     block: &'a Block,
     voxels: &'a BlockVoxels,
-    encoding: Encoding,
+    /// See [`fraction_scales`].
+    scales: [f32; 2],
 }
 
 impl<'a> Rows<'a> {
     /// The rows of a block that was reconstructed with at least [`Block::APRON`] voxels of apron.
-    pub fn new(block: &'a Block, voxels: &'a BlockVoxels, encoding: Encoding) -> Self {
+    pub fn new(block: &'a Block, voxels: &'a BlockVoxels, range: Interval) -> Self {
         assert!(voxels.apron >= Block::APRON, "an apron of {}", voxels.apron);
         Self {
             block,
             voxels,
-            encoding,
+            scales: fraction_scales(range),
         }
     }
 
@@ -170,27 +86,25 @@ impl<'a> Rows<'a> {
     }
 
     /// Values (and coverages, where there are any) of the stored planes `planes`.
-    pub fn values(&self, planes: Range<usize>) -> Vec<u8> {
-        let size = self.encoding.bytes();
+    pub fn values(&self, planes: Range<usize>) -> Vec<u16> {
         let channels = 1 + usize::from(self.voxels.coverage.is_some());
-        let row_bytes = self.len(0) * size * channels;
-        let mut texels = vec![0; row_bytes * self.len(1) * planes.len()];
-        let [scale, offset] = self.encoding.stored_of_value();
-        for (n, out) in texels.chunks_exact_mut(row_bytes).enumerate() {
+        let row_len = self.len(0) * channels;
+        let mut texels = vec![0; row_len * self.len(1) * planes.len()];
+        let [scale, offset] = self.scales;
+        for (n, out) in texels.chunks_exact_mut(row_len).enumerate() {
             let row = self.at(n % self.len(1), planes.start + n / self.len(1));
             let values = &self.voxels.premultiplied[row.clone()];
             match &self.voxels.coverage {
                 None => {
-                    for (out, v) in out.chunks_exact_mut(size).zip(values) {
-                        self.encoding.put(scale * v + offset, out);
+                    for (out, v) in out.iter_mut().zip(values) {
+                        *out = stored(scale * v + offset);
                     }
                 }
                 Some(coverage) => {
                     let pairs = values.iter().zip(&coverage[row]);
-                    for (out, (v, c)) in out.chunks_exact_mut(2 * size).zip(pairs) {
-                        let (value, cover) = out.split_at_mut(size);
-                        self.encoding.put(scale * v + offset * c, value);
-                        self.encoding.put(*c, cover);
+                    for (out, (v, c)) in out.chunks_exact_mut(2).zip(pairs) {
+                        out[0] = stored(scale * v + offset * c);
+                        out[1] = stored(*c);
                     }
                 }
             }
@@ -199,41 +113,36 @@ impl<'a> Rows<'a> {
     }
 
     /// Values with their soft normals (world frame) beside them, four channels, of the planes `planes` of a covered block.
-    pub fn lit_values(&self, normals: &NormalRows, planes: Range<usize>) -> Vec<u8> {
-        let [scale, offset] = self.encoding.stored_of_value();
-        self.with_normals(normals, planes, self.encoding, |row, first, size| {
-            let values = &self.voxels.premultiplied[row];
-            for (out, v) in first.chunks_exact_mut(4 * size).zip(values) {
-                self.encoding.put(scale * v + offset, &mut out[..size]);
+    pub fn lit_values(&self, normals: &NormalRows, planes: Range<usize>) -> Vec<u16> {
+        let [scale, offset] = self.scales;
+        self.with_normals(normals, planes, |row, texels| {
+            for (out, v) in texels.chunks_exact_mut(4).zip(&self.voxels.premultiplied[row]) {
+                out[0] = stored(scale * v + offset);
             }
         })
     }
 
-    /// Soft normals alone, in 8 bits with an empty first channel.
-    pub fn normals(&self, normals: &NormalRows, planes: Range<usize>) -> Vec<u8> {
-        self.with_normals(normals, planes, Encoding::Bytes, |_, _, _| {})
+    /// Soft normals alone, with an empty first channel.
+    pub fn normals(&self, normals: &NormalRows, planes: Range<usize>) -> Vec<u16> {
+        self.with_normals(normals, planes, |_, _| {})
     }
 
     fn with_normals(
         &self,
         normals: &NormalRows,
         planes: Range<usize>,
-        encoding: Encoding,
-        fill_first: impl Fn(Range<usize>, &mut [u8], usize),
-    ) -> Vec<u8> {
-        let size = encoding.bytes();
-        let row_bytes = self.len(0) * size * 4;
-        let mut texels = vec![0; row_bytes * self.len(1) * planes.len()];
+        fill_first: impl Fn(Range<usize>, &mut [u16]),
+    ) -> Vec<u16> {
+        let row_len = self.len(0) * 4;
+        let mut texels = vec![0; row_len * self.len(1) * planes.len()];
         let mut row_normals = vec![Vec3::ZERO; self.len(0)];
-        for (n, out) in texels.chunks_exact_mut(row_bytes).enumerate() {
+        for (n, out) in texels.chunks_exact_mut(row_len).enumerate() {
             let (j, k) = (n % self.len(1), planes.start + n / self.len(1));
             normals.fill_row(self, j, k, &mut row_normals);
-            for (out, m) in out.chunks_exact_mut(4 * size).zip(&row_normals) {
-                for (a, component) in m.to_array().into_iter().enumerate() {
-                    encoding.put_normal(component, &mut out[(a + 1) * size..(a + 2) * size]);
-                }
+            for (out, m) in out.chunks_exact_mut(4).zip(&row_normals) {
+                out[1..].copy_from_slice(&m.to_array().map(stored_normal));
             }
-            fill_first(self.at(j, k), out, size);
+            fill_first(self.at(j, k), out);
         }
         texels
     }
