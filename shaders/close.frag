@@ -4,10 +4,12 @@
 
 layout(binding = 0) uniform sampler2D accumulated;
 
+layout(location = 0) in vec2 at;
+
 layout(location = 0) out vec4 color;
 
 void main() {
-    float through = 1.0 - texelFetch(accumulated, ivec2(gl_FragCoord.xy), 0).a;
+    float through = 1.0 - texture(accumulated, at).a;
     if (through * float(HIDES_ALL_BUT) > 1.0) {
         discard;
     }

@@ -3,8 +3,10 @@
 
 layout(binding = 0) uniform sampler2D band;
 
+layout(location = 0) in vec2 at;
+
 layout(location = 0) out vec4 color;
 
 void main() {
-    color = texelFetch(band, ivec2(gl_FragCoord.xy), 0);
+    color = texture(band, at);
 }

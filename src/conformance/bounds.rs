@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::blend::{blend, resolve};
 use super::field::VoxelField;
+use super::hiding::Hiding;
 use super::place::Places;
 use super::precision::{Precision, ULP};
 use super::source::{Sources, Spans};
@@ -23,6 +24,8 @@ pub struct Drawing {
     pub storage: Storage,
     /// What arithmetic is good for.
     pub precision: Precision,
+    /// In how many bands it is drawn.
+    pub bands: usize,
 }
 
 impl Drawing {
@@ -33,6 +36,7 @@ impl Drawing {
             boxes: boxes.map(|b| b.cube.bounds(b.extent)).collect(),
             storage,
             precision,
+            bands: plan.band_faces_mm.len() + 1,
         }
     }
 }
@@ -116,6 +120,7 @@ struct Walker<'a> {
     places: Places,
     sources: Sources<'a>,
     precision: Precision,
+    hiding: Hiding,
 }
 
 impl<'a> Walker<'a> {
@@ -124,6 +129,7 @@ impl<'a> Walker<'a> {
             boxes,
             storage,
             precision,
+            bands,
         } = drawing;
         let places = Places::new(spec, boxes.clone(), storage.page_edge, precision);
         let eye = *places.eye_bounds();
@@ -133,6 +139,7 @@ impl<'a> Walker<'a> {
             sources: Sources::new(spec, storage, precision, [eye.min.z, eye.max.z]),
             places,
             precision: *precision,
+            hiding: Hiding::new(spec, *bands),
         }
     }
 
@@ -156,6 +163,7 @@ impl<'a> Walker<'a> {
             }
         }
         let settings = spec.settings;
+        let pixel = self.hiding.of(&pixel);
         resolve(settings.mode, &pixel, spec.target.value_range, spec.transfer)
     }
 

@@ -8,6 +8,7 @@
 mod blend;
 mod bounds;
 mod field;
+mod hiding;
 mod light;
 mod normal;
 mod place;

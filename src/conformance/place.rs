@@ -4,7 +4,9 @@
 //! at most δ, the value interpolated at a pixel is the exact one of a point at most δ away, since interpolation weights are
 //! not negative and sum to 1; and a pixel more than δ within the polygon is drawn, one more than δ outside is not.
 //! *Practice.* δ is the rasteriser's grid and what single precision does to a vertex; both become a box of the lattice, to which
-//! the errors of texture coordinates and filter weights are added.
+//! the errors of texture coordinates and filter weights are added. A triangle thinner than δ may have no area on that grid, and
+//! then nothing says what is interpolated on it: SwiftShader takes all of it from one corner. So near the rim of a polygon with so short
+//! an edge, anything on the polygon may be sampled.
 
 use glam::{DAffine3, DVec3};
 
@@ -14,6 +16,7 @@ use crate::projection::{FrameSpec, Lens};
 
 /// The uncertainty of samples of one frame.
 pub(super) struct Places {
+    eye_from_lattice: DAffine3,
     lattice_from_eye: DAffine3,
     lattice: Aabb,
     eye_bounds: Aabb,
@@ -42,6 +45,7 @@ impl Places {
         let eye_from_lattice = crate::projection::eye_from_lattice(&spec.target.lattice, spec.camera);
         let [width, height] = spec.camera.size;
         Self {
+            eye_from_lattice,
             lattice_from_eye: eye_from_lattice.inverse(),
             lattice,
             eye_bounds: lattice.transformed(&eye_from_lattice),
@@ -98,10 +102,39 @@ impl Places {
         if reach.intersect(&self.lattice).is_empty() {
             return None;
         }
+        let times = self.times(&reach, drawn);
+        let mut sampled = reach;
+        if times != [1, 1] {
+            let near = self.boxes.iter().filter(|b| !b.intersect(&reach).is_empty());
+            for sliver in near.filter_map(|b| self.sliver(b, eye.z)) {
+                sampled = sampled.hull(&sliver);
+            }
+        }
         Some(Place {
-            texels: reach.expand(DVec3::splat(self.texel)),
-            times: self.times(&reach, drawn),
+            texels: sampled.expand(DVec3::splat(self.texel)),
+            times,
         })
+    }
+
+    /// What the plane at `depth` cuts out of a box, if the polygon has an edge that the rasteriser's grid may make a point.
+    fn sliver(&self, b: &Aabb, depth: f64) -> Option<Aabb> {
+        let corners = b.corners();
+        let eyes = corners.map(|corner| affine::point(&self.eye_from_lattice, corner));
+        let edges = (0..8usize).flat_map(|from| [1, 2, 4].map(|bit| (from, from | bit)));
+        let cuts: Vec<(DVec3, DVec3)> = edges
+            .filter(|&(from, to)| from != to && (eyes[from].z < depth) != (eyes[to].z < depth))
+            .map(|(from, to)| {
+                let t = (depth - eyes[from].z) / (eyes[to].z - eyes[from].z);
+                (corners[from].lerp(corners[to], t), eyes[from].lerp(eyes[to], t))
+            })
+            .collect();
+        let shortest_mm = 2.0 * self.vertex_px(depth) / self.pixels_per_mm(depth);
+        let pairs = cuts
+            .iter()
+            .enumerate()
+            .flat_map(|(n, a)| cuts[..n].iter().map(move |b| (a, b)));
+        let thin = pairs.into_iter().any(|(a, b)| a.1.distance(b.1) < shortest_mm);
+        thin.then(|| Aabb::of_points(cuts.into_iter().map(|cut| cut.0)))
     }
 
     /// How far the drawn point may be from the exact one, along each axis of the lattice.

@@ -51,10 +51,10 @@ pub struct SlicePlan {
     pub templates: Vec<Template>,
     /// The boxes, back to front.
     pub boxes: Vec<SliceBox>,
-    /// The slices of all boxes in drawing order: box by box, the farthest plane first.
+    /// The slices of all boxes in drawing order: band by band, in each of them box by box, and of each box the farthest plane first.
     pub slices: Vec<Slice>,
-    /// In how many bands they are drawn: see [`bands`](super::bands).
-    pub bands: usize,
+    /// The depths at which bands meet, rising, millimetres; none if all slices are one band. See [`bands`](super::bands).
+    pub band_faces_mm: Vec<f64>,
 }
 
 impl SlicePlan {
@@ -70,7 +70,7 @@ impl SlicePlan {
                 templates: Vec::new(),
                 boxes: Vec::new(),
                 slices: Vec::new(),
-                bands: 1,
+                band_faces_mm: Vec::new(),
             },
             template_ids: HashMap::new(),
             camera,
@@ -79,6 +79,17 @@ impl SlicePlan {
             planner.add(block, cube, cube.extent(lattice.dims));
         }
         planner.plan
+    }
+
+    /// The depth of a slice, millimetres.
+    pub fn depth_mm(&self, slice: &Slice) -> f64 {
+        self.boxes[slice.slice_box as usize].nearest_mm + slice.t_mm
+    }
+
+    /// The band that a slice is in, counted from the nearest.
+    pub fn band(&self, slice: &Slice) -> usize {
+        let depth = self.depth_mm(slice);
+        self.band_faces_mm.partition_point(|face| *face < depth)
     }
 
     /// About how many fragments a slice has.

@@ -41,7 +41,7 @@ impl Job {
         size: [u32; 2],
     ) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
-        let layers = Layers::new(renderer, size, plan.bands)?;
+        let layers = Layers::new(renderer, size, !plan.band_faces_mm.is_empty())?;
         let read_back = Buffer::new(&device, "frame", BufferRole::Readback, layers.accumulated.bytes())?;
         let mut submissions = Submissions::default();
         let shared = Shared::new(renderer, spec, paged, plan, table, submissions.last())?;
@@ -199,10 +199,12 @@ impl Shared {
             while end < part.end && page_of(end) == page {
                 end += 1;
             }
-            let pipeline =
-                renderer
-                    .pipelines
-                    .slices(&renderer.device, spec, paged.pages[page].mixed, plan.bands > 1)?;
+            let pipeline = renderer.pipelines.slices(
+                &renderer.device,
+                spec,
+                paged.pages[page].mixed,
+                !plan.band_faces_mm.is_empty(),
+            )?;
             draws.push(self.draw(renderer, pipeline, page, begin as u32..end as u32));
             begin = end;
         }

@@ -10,7 +10,7 @@ use super::pipelines::Whole;
 use super::slices::{SliceRenderer, TARGET_FORMAT};
 use crate::gpu::{
     Binding, Bindings, DEPTH_FORMAT, DepthTarget, Device, Draw, Elements, Extent, GpuError, Image, ImageRole, Load,
-    Push, RenderPass, Sampler, Target,
+    Push, RenderPass, Target,
 };
 
 /// What all bands are put together in.
@@ -32,15 +32,12 @@ struct Band {
 }
 
 impl Layers {
-    /// Images for a frame of `width` by `height` pixels in `bands` bands.
-    pub fn new(renderer: &mut SliceRenderer, [width, height]: [u32; 2], bands: usize) -> Result<Self, GpuError> {
+    /// Images for a frame of `width` by `height` pixels, in one band or in several.
+    pub fn new(renderer: &mut SliceRenderer, [width, height]: [u32; 2], several: bool) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
         let extent = Extent::D2(width, height);
         let accumulated = color(&device, "frame", extent)?;
-        let band = match bands {
-            0 | 1 => None,
-            _ => Some(Band::new(renderer, &accumulated, extent)?),
-        };
+        let band = several.then(|| Band::new(renderer, &accumulated, extent)).transpose()?;
         Ok(Self { accumulated, band })
     }
 
@@ -106,8 +103,7 @@ impl Band {
 
 /// A draw of the whole frame that reads `image` pixel by pixel.
 fn whole(renderer: &mut SliceRenderer, what: Whole, image: &Arc<Image>) -> Result<Draw, GpuError> {
-    let sampler: &Arc<Sampler> = &renderer.linear;
-    let entry = Binding::SampledImage(Arc::clone(image), Arc::clone(sampler));
+    let entry = Binding::SampledImage(Arc::clone(image), Arc::clone(&renderer.nearest));
     Ok(Draw {
         bindings: Some(Bindings::new(&renderer.device, image.label(), &[entry])?),
         pipeline: renderer.pipelines.whole(&renderer.device, what)?,

@@ -186,8 +186,5 @@ pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
         min_cube: MIN_CUBE,
         cost: DrawCost::new(&spec.target.lattice, spec.camera, &spec.planes()),
     };
-    SlicePlan {
-        bands: bands::count(spec),
-        ..SlicePlan::new(&visibility, spec.camera, spec.planes())
-    }
+    bands::cut(SlicePlan::new(&visibility, spec.camera, spec.planes()), spec)
 }
