@@ -257,18 +257,7 @@ fn require_possible(
     format: vk::Format,
     extent: Extent,
 ) -> Result<u64, GpuError> {
-    let texel =
-        texel_bytes(format).ok_or_else(|| GpuError::usage(label, format!("the format {format:?} is not known")))?;
-    if extent.texels() == 0 {
-        return Err(GpuError::usage(label, format!("an image without texels: {extent:?}")));
-    }
-    if (role == ImageRole::DepthTarget) != (format == DEPTH_FORMAT) {
-        let problem = format!("{format:?} as {role:?}: depths are {DEPTH_FORMAT:?}, and nothing else is");
-        return Err(GpuError::usage(label, problem));
-    }
-    if role != ImageRole::Sampled && matches!(extent, Extent::D3(..)) {
-        return Err(GpuError::usage(label, "a 3D image cannot be drawn into"));
-    }
+    let bytes = require_sensible(label, role, format, extent)?;
     // SAFETY: the physical device is of this instance.
     let possible = unsafe {
         device.instance().raw().get_physical_device_image_format_properties(
@@ -286,7 +275,6 @@ fn require_possible(
         }
         other => GpuError::vulkan("ask about an image format")(other),
     })?;
-    let bytes = extent.texels().saturating_mul(texel);
     // Some devices' answer for a format exceeds the limit they state for all.
     let edge = u64::from(longest_edge(device, extent));
     let limits = [
@@ -310,6 +298,23 @@ fn require_possible(
         }),
         None => Ok(bytes),
     }
+}
+
+/// Checks what no device could do, and returns the size in bytes.
+fn require_sensible(label: &str, role: ImageRole, format: vk::Format, extent: Extent) -> Result<u64, GpuError> {
+    let texel =
+        texel_bytes(format).ok_or_else(|| GpuError::usage(label, format!("the format {format:?} is not known")))?;
+    if extent.texels() == 0 {
+        return Err(GpuError::usage(label, format!("an image without texels: {extent:?}")));
+    }
+    if (role == ImageRole::DepthTarget) != (format == DEPTH_FORMAT) {
+        let problem = format!("{format:?} as {role:?}: depths are {DEPTH_FORMAT:?}, and nothing else is");
+        return Err(GpuError::usage(label, problem));
+    }
+    if role != ImageRole::Sampled && matches!(extent, Extent::D3(..)) {
+        return Err(GpuError::usage(label, "a 3D image cannot be drawn into"));
+    }
+    Ok(extent.texels().saturating_mul(texel))
 }
 
 /// The device's limit for images of as many dimensions.

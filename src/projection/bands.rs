@@ -42,7 +42,7 @@ fn least_through(spec: &FrameSpec) -> f64 {
 }
 
 /// `plan` in `count` bands of about as many fragments each, the farthest first; within a band the order stays.
-fn cut_into(mut plan: SlicePlan, count: usize) -> SlicePlan {
+pub fn cut_into(mut plan: SlicePlan, count: usize) -> SlicePlan {
     plan.band_faces_mm = faces(&plan, count);
     let mut slices = std::mem::take(&mut plan.slices);
     slices.sort_by_key(|slice| Reverse(plan.band(slice)));

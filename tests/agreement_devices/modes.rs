@@ -1,7 +1,9 @@
 //! Law 3: slices and reference agree, in every mode.
 
 use vcsg::image::Frame;
-use vcsg::projection::{Mode, Projector, Reference};
+use vcsg::interface::HIDES_ALL_BUT;
+use vcsg::projection::composite::Blending;
+use vcsg::projection::{Mode, Projector, Reference, TransferFunction, bands};
 use vcsg::volume::VoxelType::{F32, I16, U8};
 
 use crate::device::{Bench, on_device};
@@ -59,6 +61,27 @@ fn require_agreement(bench: &mut Bench, recipe: &Recipe) -> Frame {
     bench.require_within(&format!("reference of {recipe:?}"), &reference, &bounds);
     bench.require_within(&format!("{recipe:?}"), &frame, &bounds);
     frame
+}
+
+/// Drawn in bands, and so opaque that many rays end in the first of them.
+pub fn what_is_hidden_may_be_left_out() {
+    on_device(|bench| {
+        let mut ended = 0;
+        for recipe in recipes().iter().filter(|r| r.mode.blending() == Blending::Over) {
+            let mut scene = recipe.scene();
+            let points = scene.transfer.points().to_vec();
+            scene.transfer = TransferFunction::new(points, 0.2).expect("the same points");
+            let spec = scene.spec();
+            let mut prepared = bench.prepare(&spec);
+            prepared.plan = bands::cut_into(prepared.plan, 4);
+            let frame = bench.draw(&spec, &prepared);
+            let bounds = bench.bounds(&spec, &prepared);
+            bench.require_within(&format!("{recipe:?} in bands"), &frame, &bounds);
+            let opaque = 1.0 - 1.0 / HIDES_ALL_BUT as f32;
+            ended += frame.pixels().iter().filter(|p| p[3] >= opaque).count();
+        }
+        assert!(ended > 2000, "{ended} rays end");
+    });
 }
 
 pub fn slices_agree_with_the_reference() {

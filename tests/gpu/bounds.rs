@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use vcsg::gpu::{
-    Binding, Bindings, Buffer, BufferRole, Command, Elements, Extent, Format, GpuError, Image, ImageCopy, ImageRole,
-    Load, Recording, Region,
+    Binding, Bindings, Buffer, BufferRole, Command, DEPTH_FORMAT, Elements, Extent, Format, GpuError, Image, ImageCopy,
+    ImageRole, Load, Recording, Region,
 };
 
 use crate::support::{float_target, on_device, pass, quad, quad_pipeline, shader};
@@ -27,7 +27,11 @@ fn impossible_objects_are_refused() {
             )
         );
         assert!(new(Format::R8_UNORM, Extent::D3(4, 0, 4)).is_some(), "no texels");
-        assert!(new(Format::D32_SFLOAT, Extent::D2(4, 4)).is_some(), "an unknown format");
+        assert!(
+            new(Format::A8B8G8R8_UINT_PACK32, Extent::D2(4, 4)).is_some(),
+            "an unknown format"
+        );
+        assert!(new(DEPTH_FORMAT, Extent::D2(4, 4)).is_some(), "depths are not sampled");
         let solid = Image::new(
             device,
             "odd",

@@ -2,6 +2,7 @@
 
 mod bounds;
 mod copies;
+mod depths;
 mod devices;
 mod draws;
 mod mixing;

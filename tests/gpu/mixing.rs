@@ -40,6 +40,16 @@ fn over_is_premultiplied() {
 }
 
 #[test]
+fn under_shows_where_light_still_passes() {
+    let colors = [[0.5, 0.25, 0.0, 0.5], [0.25, 0.0, 0.5, 0.75]];
+    // (0, 0, ½, ½) → t + ½c₁ = (¼, ⅛, ½, ¾) → t + ¼c₂ = (5⁄16, ⅛, ⅝, 15⁄16).
+    assert_eq!(
+        after(&[(FORMAT, Some(Blend::Under))], [0.0, 0.0, 0.5, 0.5], &colors),
+        [0.3125, 0.125, 0.625, 0.9375]
+    );
+}
+
+#[test]
 fn adding_sums_alpha_too() {
     let colors = [[0.5, 1.0, -2.0, 0.5], [0.25, 8.0, 0.5, 0.75]];
     assert_eq!(

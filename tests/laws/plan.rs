@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, affine};
 use vcsg::model::Boundary;
-use vcsg::projection::{Camera, DrawCost, Planes, Slice, SlicePlan, Visibility, VisibleValues};
+use vcsg::projection::{Camera, DrawCost, Planes, Slice, SlicePlan, Visibility, VisibleValues, bands};
 use vcsg::target::{Cube, Target};
 
 use crate::order::cells_of;
@@ -117,11 +117,15 @@ impl Planned {
         Ok(())
     }
 
-    /// Boxes come one after another, and the planes of each from far to near.
+    /// Bands come one after another, in each of them boxes, and the planes of each box from far to near.
     fn runs_from_far_to_near(&self) -> Result<(), String> {
-        let rises = |pair: &[Slice]| match pair[0].slice_box == pair[1].slice_box {
-            true => pair[0].t_mm <= pair[1].t_mm,
-            false => pair[0].slice_box + 1 != pair[1].slice_box,
+        let rises = |pair: &[Slice]| {
+            let bands = [&pair[0], &pair[1]].map(|slice| self.plan.band(slice));
+            match pair[0].slice_box == pair[1].slice_box {
+                _ if bands[0] != bands[1] => bands[0] < bands[1],
+                true => pair[0].t_mm <= pair[1].t_mm,
+                false => pair[0].slice_box > pair[1].slice_box,
+            }
         };
         match self.plan.slices.windows(2).find(|pair| rises(pair)) {
             Some(pair) => Err(format!("{pair:?} are out of order")),
@@ -244,6 +248,46 @@ proptest! {
             prop_assert_eq!(planned.polygons_are_exact(), Ok(()));
         }
     }
+
+    #[test]
+    fn bands_are_the_same_slices_cut_in_depth(
+        scene in scene(),
+        subdivision in subdivision(Boundary::Exact),
+        eye in eye(),
+        count in 2usize..9,
+    ) {
+        let target = scene.target(&subdivision);
+        let camera = eye.camera(&target.lattice.world_bounds());
+        if let Some(mut planned) = Planned::new(&target, camera, 1.0) {
+            let whole = planned.plan.slices.clone();
+            planned.plan = bands::cut_into(planned.plan, count);
+            prop_assert_eq!(planned.runs_from_far_to_near(), Ok(()));
+            let key = |slice: &Slice| (slice.slice_box, slice.t_mm.to_bits());
+            let sorted = |slices: &[Slice]| {
+                let mut keys: Vec<_> = slices.iter().map(key).collect();
+                keys.sort_unstable();
+                keys
+            };
+            prop_assert_eq!(sorted(&planned.plan.slices), sorted(&whole));
+            let ranges = bands::ranges(&planned.plan);
+            prop_assert!(ranges.len() <= count, "{} bands", ranges.len());
+            let drawn: Vec<usize> = ranges.into_iter().rev().flatten().collect();
+            prop_assert_eq!(drawn, (0..whole.len()).collect::<Vec<_>>());
+        }
+    }
+}
+
+#[test]
+fn a_slice_in_the_wrong_band_is_seen() {
+    let ordered = |planned: &Planned, _: &[DVec3]| planned.runs_from_far_to_near();
+    let swapped = |plan: &mut SlicePlan| {
+        *plan = bands::cut_into(plan.clone(), 4);
+        plan.slices.rotate_left(1);
+    };
+    let cut = |plan: &mut SlicePlan| *plan = bands::cut_into(plan.clone(), 4);
+    assert_eq!(seen(cut, ordered), 0);
+    let found = seen(swapped, ordered);
+    assert!(found > 8, "{found} of 20");
 }
 
 /// How many of some plans fail `check` after `mutate`.
