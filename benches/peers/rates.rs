@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use vcsg::gpu::{Device, Format};
+use vcsg::gpu::{Device, Filter, Format};
 use vcsg::model::Model;
+use vcsg::projection::TransferTable;
 use vcsg::render::SliceRenderer;
 use vcsg::target::Subdivision;
 
@@ -111,13 +112,14 @@ fn subjects(device: &Arc<Device>) -> Outcome<Vec<Subject>> {
     .collect()
 }
 
-/// The quads that do what an unshaded slice of bytes does: fetch, look up, blend.
+/// The quads that do what an unshaded slice does: fetch, look up, blend.
 fn quads_case() -> quads::Case {
     quads::case("fetch + table + over", |case| {
         case.table = Format::R32G32B32A32_SFLOAT;
-        case.table_width = 1024;
-        // The table is read by texelFetch, and where it shows nothing is discarded: see shaders/layers.frag.
-        case.constants = vec![(1, 2), (2, 1)];
+        case.values = Format::R16_UNORM;
+        (case.table_width, case.table_filter) = (TransferTable::LEN as u32, Filter::Nearest);
+        // The table is sampled: see shaders/layers.frag.
+        case.constants = vec![(1, 1)];
     })
 }
 

@@ -41,6 +41,8 @@ pub struct Case {
     pub table: Format,
     /// Entries of the table.
     pub table_width: u32,
+    /// What is read between them.
+    pub table_filter: Filter,
     /// What is drawn into.
     pub target: Format,
     /// How; written over when `None`.
@@ -58,6 +60,7 @@ pub fn case(name: &str, change: impl FnOnce(&mut Case)) -> Case {
         values: Format::R8_UNORM,
         table: Format::R8G8B8A8_UNORM,
         table_width: 256,
+        table_filter: Filter::Linear,
         target: Format::R32G32B32A32_SFLOAT,
         blend: Some(Blend::Over),
         visible: 1.0,
@@ -136,7 +139,7 @@ impl Scene {
                 bindings: &kinds,
                 push_bytes: 64,
                 topology: Topology::TriangleStrip,
-                vertex_input: None,
+                ..PipelineDesc::default()
             },
         )?;
         let draw = Draw {
@@ -178,7 +181,7 @@ impl Scene {
         let table = filled(device, case.table, Extent::D2(case.table_width, 1), &entries)?;
         let entries = [
             Binding::SampledImage(self.cube(case.values)?, Arc::clone(&linear)),
-            Binding::SampledImage(table, Arc::clone(&linear)),
+            Binding::SampledImage(table, Sampler::new(device, case.table_filter)?),
             Binding::SampledImage(self.cube(Format::R8G8B8A8_UNORM)?, linear),
             Binding::Uniform(Arc::clone(&buffer)),
             Binding::Storage(buffer),
