@@ -2,14 +2,14 @@
 #version 450
 #include "interface.glsl"
 
+// 0 is unlit.
+layout(constant_id = 2) const uint LIGHTS = 0;
 layout(constant_id = 4) const bool PERSPECTIVE = false;
 
 layout(std140, binding = 3) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 4) readonly buffer Boxes { BoxData boxes[]; };
-layout(std430, binding = 5) readonly buffer Templates { TemplateData templates[]; };
-
-layout(location = 0) in uint box_index;
-layout(location = 1) in float t_mm;
+layout(std430, binding = 5) readonly buffer Vertices { MovingVertexData vertices[]; };
+layout(std430, binding = 6) readonly buffer Slices { SliceData slices[]; };
 
 layout(location = 0) out vec3 texture_at;
 // Eye-space x and y over depth: constant on a pixel, whatever the slice.
@@ -20,22 +20,23 @@ layout(location = 4) flat out vec4 lights[MAX_LIGHTS];
 layout(location = 9) flat out vec4 half_ways[MAX_LIGHTS];
 
 void main() {
-    BoxData b = boxes[box_index];
-    uint which = uint(b.size.w);
-    uint segment = 0;
-    for (uint s = 0; s < MAX_SEGMENTS - 1; ++s) {
-        segment += t_mm >= templates[which].ends[s / 4][s % 4] ? 1 : 0;
-    }
-    MovingVertexData v = templates[which].vertices[segment * MAX_VERTICES + gl_VertexIndex];
-    vec3 unit = v.base.xyz + t_mm * v.slope.xyz;
+    SliceData slice = slices[gl_VertexIndex / MAX_VERTICES];
+    BoxData b = boxes[slice.box_index];
+    MovingVertexData v = vertices[slice.first_vertex + gl_VertexIndex % MAX_VERTICES];
+    vec3 unit = v.base.xyz + slice.t_mm * v.slope.xyz;
     vec4 lattice = vec4(b.origin.xyz + b.size.xyz * unit, 1.0);
     vec2 eye = vec2(dot(frame.eye_from_lattice[0], lattice), dot(frame.eye_from_lattice[1], lattice));
-    float depth_mm = b.origin.w + t_mm;
+    float depth_mm = b.origin.w + slice.t_mm;
     texture_at = b.texture_origin.xyz + b.texture_size.xyz * unit;
     ray_slope = PERSPECTIVE ? eye / depth_mm : vec2(0.0);
     cue = 1.0 - frame.cue.z * clamp((depth_mm - frame.cue.x) * frame.cue.y, 0.0, 1.0);
-    material = frame.material;
-    lights = frame.lights;
-    half_ways = frame.half_ways;
+    switch (LIGHTS) {
+    case 0:
+        break;
+    default:
+        material = frame.material;
+        lights = frame.lights;
+        half_ways = frame.half_ways;
+    }
     gl_Position = vec4((PERSPECTIVE ? ray_slope : eye) * frame.lens.xy, 0.5, 1.0);
 }

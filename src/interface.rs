@@ -70,12 +70,8 @@ macro_rules! structures {
 constants! {
     /// The most lights of a frame.
     pub const MAX_LIGHTS: u32 = 5;
-    /// The most depth intervals of a slice template.
-    pub const MAX_SEGMENTS: u32 = 7;
     /// The most vertices of a slice polygon.
     pub const MAX_VERTICES: u32 = 6;
-    /// Vertices of all segments of a template.
-    pub const TEMPLATE_VERTICES: u32 = 42;
     /// Entries of a transfer table.
     pub const TABLE_LEN: u32 = 4096;
     /// What lets less than one part in so many of the light pass hides all that is behind it.
@@ -115,12 +111,22 @@ structures! {
     pub struct BoxData {
         /// Its first corner in lattice coordinates, and the depth of its nearest corner in millimetres.
         pub origin: Vec4,
-        /// Its edges in lattice coordinates, and the index of its template.
+        /// Its edges in lattice coordinates.
         pub size: Vec4,
         /// Texture coordinates of its first corner.
         pub texture_origin: Vec4,
         /// Texture coordinates that its edges span.
         pub texture_size: Vec4,
+    }
+
+    /// One slice polygon.
+    pub struct SliceData {
+        /// Index of its box.
+        pub box_index: u32,
+        /// Depth behind the box's nearest corner, millimetres.
+        pub t_mm: f32,
+        /// Index of its first moving vertex.
+        pub first_vertex: u32,
     }
 
     /// A polygon vertex that moves along an edge of the unit box.
@@ -129,14 +135,6 @@ structures! {
         pub base: Vec4,
         /// How far it moves for each millimetre of depth.
         pub slope: Vec4,
-    }
-
-    /// The polygons of all planes through a box.
-    pub struct TemplateData {
-        /// Where each segment ends, millimetres behind the nearest corner.
-        pub ends: [Vec4; 2],
-        /// The vertices of each segment; the last one is repeated to fill six.
-        pub vertices: [MovingVertexData; TEMPLATE_VERTICES as usize],
     }
 }
 

@@ -78,7 +78,13 @@ impl Template {
 
     /// The segment that a plane `t` millimetres behind the nearest corner cuts.
     pub fn segment(&self, t: f64) -> Option<&Segment> {
-        self.segments.iter().find(|s| t < s.end_mm).or(self.segments.last())
+        self.segments.get(self.segment_index(t))
+    }
+
+    /// Its index; that of the last one for a plane behind all.
+    pub fn segment_index(&self, t: f64) -> usize {
+        let ended = self.segments.iter().take_while(|s| t >= s.end_mm).count();
+        ended.min(self.segments.len().saturating_sub(1))
     }
 }
 

@@ -70,9 +70,9 @@ pub struct DrawCost {
 }
 
 impl DrawCost {
-    /// What a slice costs beside its fragments, in fragments: a rough choice. On lavapipe, for one head, 150 drew unlit as fast as
-    /// 350 and lit a tenth faster, and 1000 took a fifth longer (nine frames each, one machine); no other device was tried.
-    const SLICE: f64 = 150.0;
+    /// What a slice costs beside its fragments, in fragments: a rough choice. On lavapipe, for one head, 150 and 250 drew equally
+    /// fast, 100 a twentieth slower and 1000 a fifth (one machine, not quiet); no other device was tried.
+    const SLICE: f64 = 200.0;
 
     /// Fragments alone: a cube is drawn whole only if all of it shows.
     pub const VOXELS: Self = Self {

@@ -4,20 +4,10 @@ use glam::{DMat3, DVec3};
 
 use super::pages::{PagedTarget, texture_map};
 use crate::interface::{
-    BoxData, FrameData, MAX_SEGMENTS, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE, MODE_MINIP, MODE_MIP,
-    MODE_XRAY, MovingVertexData, TEMPLATE_VERTICES, TemplateData,
+    BoxData, FrameData, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE, MODE_MINIP, MODE_MIP, MODE_XRAY,
+    MovingVertexData, SliceData,
 };
-use crate::projection::{FrameSpec, Lens, Mode, Shading, SlicePlan, Template};
-
-/// One slice, an instance of its box's template, as the vertex shader's input.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct SliceData {
-    /// Index of its box.
-    pub box_index: u32,
-    /// Depth behind the box's nearest corner, millimetres.
-    pub t_mm: f32,
-}
+use crate::projection::{FrameSpec, Lens, Mode, Shading, SlicePlan};
 
 /// The mode's number in the shaders.
 pub fn mode_constant(mode: Mode) -> u32 {
@@ -90,7 +80,7 @@ pub fn boxes(spec: &FrameSpec, plan: &SlicePlan, paged: &PagedTarget) -> Vec<Box
             let bounds = b.cube.bounds(b.extent);
             BoxData {
                 origin: vec4(bounds.min, b.nearest_mm),
-                size: vec4(bounds.size(), f64::from(b.template)),
+                size: vec4(bounds.size(), 0.0),
                 texture_origin: vec4(map.origin + map.step * bounds.min, 0.0),
                 texture_size: vec4(map.step * bounds.size(), 0.0),
             }
@@ -98,41 +88,38 @@ pub fn boxes(spec: &FrameSpec, plan: &SlicePlan, paged: &PagedTarget) -> Vec<Box
         .collect()
 }
 
-/// The templates of a plan.
-pub fn templates(plan: &SlicePlan) -> Vec<TemplateData> {
-    plan.templates.iter().map(template).collect()
-}
-
-/// Missing segments end at infinity; a polygon of fewer vertices repeats its last one.
-fn template(template: &Template) -> TemplateData {
-    let mut data = TemplateData {
-        ends: [[f32::INFINITY; 4]; 2],
-        vertices: [bytemuck::Zeroable::zeroed(); TEMPLATE_VERTICES as usize],
-    };
-    let last = template.segments.len() - 1;
-    for s in 0..MAX_SEGMENTS as usize {
-        let segment = &template.segments[s.min(last)];
-        if s < last {
-            data.ends[s / 4][s % 4] = segment.end_mm as f32;
-        }
-        for n in 0..MAX_VERTICES as usize {
-            let v = segment.vertices[n.min(segment.vertices.len() - 1)];
-            data.vertices[s * MAX_VERTICES as usize + n] = MovingVertexData {
-                base: vec4(v.base, 0.0),
-                slope: vec4(v.slope, 0.0),
-            };
-        }
-    }
-    data
+/// The moving vertices of a plan's templates, [`MAX_VERTICES`] a segment: a polygon of fewer repeats its last one.
+pub fn vertices(plan: &SlicePlan) -> Vec<MovingVertexData> {
+    let segments = plan.templates.iter().flat_map(|template| &template.segments);
+    segments
+        .flat_map(|segment| {
+            (0..MAX_VERTICES as usize).map(|n| {
+                let v = segment.vertices[n.min(segment.vertices.len() - 1)];
+                MovingVertexData {
+                    base: vec4(v.base, 0.0),
+                    slope: vec4(v.slope, 0.0),
+                }
+            })
+        })
+        .collect()
 }
 
 /// The slices of a plan.
 pub fn slices(plan: &SlicePlan) -> Vec<SliceData> {
+    let counts = plan.templates.iter().map(|template| template.segments.len());
+    let first_segments: Vec<usize> = counts
+        .scan(0, |next, count| Some(std::mem::replace(next, *next + count)))
+        .collect();
     plan.slices
         .iter()
-        .map(|s| SliceData {
-            box_index: s.slice_box,
-            t_mm: s.t_mm as f32,
+        .map(|slice| {
+            let template = plan.boxes[slice.slice_box as usize].template as usize;
+            let segment = first_segments[template] + plan.templates[template].segment_index(slice.t_mm);
+            SliceData {
+                box_index: slice.slice_box,
+                t_mm: slice.t_mm as f32,
+                first_vertex: segment as u32 * MAX_VERTICES,
+            }
         })
         .collect()
 }

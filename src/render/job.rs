@@ -9,7 +9,7 @@ use super::pages::{Page, PagedTarget};
 use super::slices::{SliceRenderer, TABLE_FORMAT};
 use crate::gpu::{
     Binding, Bindings, Buffer, BufferRole, Device, Draw, Elements, Extent, GpuError, GraphicsPipeline, Image,
-    ImageRole, Push, Recording, RenderPass, Stream,
+    ImageRole, Push, Recording, RenderPass,
 };
 use crate::image::Frame;
 use crate::interface::{MAX_VERTICES, TABLE_LEN};
@@ -19,9 +19,20 @@ use crate::projection::{FrameSpec, SlicePlan, TransferTable, bands};
 const SUBMISSION_FRAGMENTS: f64 = 5e7;
 
 /// A fan of four triangles over six vertices.
-pub const FAN: [u32; 12] = [0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5];
+const FAN: [u32; 12] = [0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5];
 
 const _: () = assert!(FAN.len() == 3 * (MAX_VERTICES as usize - 2));
+
+/// Most slices of a draw. (An instance a slice would want no indices, but an instance costs lavapipe microseconds, and other devices
+/// fill no wave with it.)
+const DRAW_SLICES: u32 = 4096;
+
+/// The indices of a draw: a fan for each of its slices.
+pub fn fans() -> Vec<u32> {
+    (0..DRAW_SLICES)
+        .flat_map(|slice| FAN.map(|vertex| MAX_VERTICES * slice + vertex))
+        .collect()
+}
 
 /// Everything that one frame needs on the device.
 pub struct Job {
@@ -132,7 +143,6 @@ fn parts(plan: &SlicePlan, band: Range<usize>) -> Vec<(Range<usize>, f64)> {
 
 /// Buffers and tables of a frame, and the bindings of each page.
 struct Shared {
-    slices: Option<Arc<Buffer>>,
     bindings: Vec<Arc<Bindings>>,
 }
 
@@ -147,10 +157,7 @@ impl Shared {
     ) -> Result<Self, GpuError> {
         let device = &renderer.device;
         if plan.slices.is_empty() {
-            return Ok(Self {
-                slices: None,
-                bindings: Vec::new(),
-            });
+            return Ok(Self { bindings: Vec::new() });
         }
         let extent = Extent::D1(TABLE_LEN);
         let table_image = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
@@ -159,7 +166,8 @@ impl Shared {
         let data = frame::frame_data(spec, plan);
         let uniform = Buffer::with_data(device, "frame data", &[data])?;
         let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;
-        let templates = Buffer::with_data(device, "templates", &frame::templates(plan))?;
+        let vertices = Buffer::with_data(device, "moving vertices", &frame::vertices(plan))?;
+        let slices = Buffer::with_data(device, "slices", &frame::slices(plan))?;
         let bind = |page: &Page| {
             let sampled = |image: &Arc<Image>| Binding::SampledImage(Arc::clone(image), Arc::clone(&renderer.linear));
             let entries = [
@@ -168,17 +176,17 @@ impl Shared {
                 Binding::SampledImage(Arc::clone(&table_image), Arc::clone(&renderer.nearest)),
                 Binding::Uniform(Arc::clone(&uniform)),
                 Binding::Storage(Arc::clone(&boxes)),
-                Binding::Storage(Arc::clone(&templates)),
+                Binding::Storage(Arc::clone(&vertices)),
+                Binding::Storage(Arc::clone(&slices)),
             ];
             Bindings::new(device, "page", &entries)
         };
         Ok(Self {
-            slices: Some(Buffer::with_data(device, "slices", &frame::slices(plan))?),
             bindings: paged.pages.iter().map(bind).collect::<Result<_, _>>()?,
         })
     }
 
-    /// One draw for each run of slices of one page.
+    /// A draw for each run of slices of one page, or several if it is long.
     fn draws(
         &self,
         renderer: &mut SliceRenderer,
@@ -196,7 +204,7 @@ impl Shared {
         while begin < part.end {
             let page = page_of(begin);
             let mut end = begin + 1;
-            while end < part.end && page_of(end) == page {
+            while end < part.end && end - begin < DRAW_SLICES as usize && page_of(end) == page {
                 end += 1;
             }
             let pipeline = renderer.pipelines.slices(
@@ -205,7 +213,7 @@ impl Shared {
                 paged.pages[page].mixed,
                 !plan.band_faces_mm.is_empty(),
             )?;
-            draws.push(self.draw(renderer, pipeline, page, begin as u32..end as u32));
+            draws.push(self.draw(renderer, pipeline, page, begin..end));
             begin = end;
         }
         Ok(draws)
@@ -216,22 +224,19 @@ impl Shared {
         renderer: &SliceRenderer,
         pipeline: Arc<GraphicsPipeline>,
         page: usize,
-        instances: Range<u32>,
+        slices: Range<usize>,
     ) -> Draw {
         Draw {
             pipeline,
             bindings: Some(Arc::clone(&self.bindings[page])),
             push: Push::NONE,
-            stream: self.slices.as_ref().map(|buffer| Stream {
-                buffer: Arc::clone(buffer),
-                offset: 0,
-            }),
+            stream: None,
             elements: Elements::Indices {
-                buffer: Arc::clone(&renderer.fan),
-                range: 0..FAN.len() as u32,
-                base_vertex: 0,
+                buffer: Arc::clone(&renderer.fans),
+                range: 0..(FAN.len() * slices.len()) as u32,
+                base_vertex: (MAX_VERTICES as usize * slices.start) as i32,
             },
-            instances,
+            instances: 0..1,
         }
     }
 }

@@ -4,12 +4,9 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::Arc;
 
-use super::frame::{self, SliceData};
+use super::frame;
 use super::slices::TARGET_FORMAT;
-use crate::gpu::{
-    Attribute, BindingKind, Blend, Depth, Device, Format, GpuError, GraphicsPipeline, PipelineDesc, StepRate, Topology,
-    VertexInput,
-};
+use crate::gpu::{BindingKind, Blend, Depth, Device, GpuError, GraphicsPipeline, PipelineDesc, Topology};
 use crate::projection::composite::Blending;
 use crate::projection::{FrameSpec, Lens};
 use crate::shaders::{CLOSE_FRAG, MERGE_FRAG, SLICES_FRAG, SLICES_VERT, WHOLE_VERT};
@@ -90,11 +87,12 @@ fn variant(spec: &FrameSpec, mixed: bool, banded: bool) -> Variant {
     }
 }
 
-const BINDINGS: [BindingKind; 6] = [
+const BINDINGS: [BindingKind; 7] = [
     BindingKind::SampledImage,
     BindingKind::SampledImage,
     BindingKind::SampledImage,
     BindingKind::Uniform,
+    BindingKind::Storage,
     BindingKind::Storage,
     BindingKind::Storage,
 ];
@@ -125,24 +123,7 @@ fn slices_pipeline(
             color_targets: &[(TARGET_FORMAT, Some(blend))],
             depth: variant.banded.then_some(Depth::Test),
             bindings: &BINDINGS,
-            push_bytes: 0,
-            topology: Topology::Triangles,
-            vertex_input: Some(VertexInput {
-                stride: size_of::<SliceData>() as u32,
-                rate: StepRate::Instance,
-                attributes: &[
-                    Attribute {
-                        location: 0,
-                        format: Format::R32_UINT,
-                        offset: 0,
-                    },
-                    Attribute {
-                        location: 1,
-                        format: Format::R32_SFLOAT,
-                        offset: 4,
-                    },
-                ],
-            }),
+            ..PipelineDesc::default()
         },
     )
 }

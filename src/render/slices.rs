@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::job::{FAN, Job};
+use super::job::{self, Job};
 use super::pages::{FORMATS, PagedTarget};
 use super::pipelines::Pipelines;
 use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler};
@@ -23,7 +23,7 @@ pub(super) const TABLE_FORMAT: Format = Format::R32G32B32A32_SFLOAT;
 const _: () = assert!(TABLE_LEN as usize == TransferTable::LEN);
 
 /// Edge of the smallest cubes that are drawn apart, voxels.
-const MIN_CUBE: usize = 16;
+const MIN_CUBE: usize = 8;
 
 /// Where the time of a frame goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,7 +43,7 @@ pub struct SliceRenderer {
     pub(super) device: Arc<Device>,
     pub(super) linear: Arc<Sampler>,
     pub(super) nearest: Arc<Sampler>,
-    pub(super) fan: Arc<Buffer>,
+    pub(super) fans: Arc<Buffer>,
     pub(super) pipelines: Pipelines,
 }
 
@@ -65,7 +65,7 @@ impl SliceRenderer {
             device: Arc::clone(device),
             linear: Sampler::new(device, Filter::Linear)?,
             nearest: Sampler::new(device, Filter::Nearest)?,
-            fan: Buffer::with_data(device, "fan", &FAN)?,
+            fans: Buffer::with_data(device, "fans", &job::fans())?,
             pipelines: Pipelines::default(),
         })
     }
