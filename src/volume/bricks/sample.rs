@@ -94,21 +94,24 @@ impl<const N: usize> Sites<N> {
     /// The samples, from their corners.
     #[inline(always)]
     fn blend<T: Voxel>(&self, corners: &Corners<T, N>) -> [f32; N] {
-        from_fn(|n| {
-            let [tx, ty, tz] = self.t.map(|t| t[n]);
+        // A loop, as `from_fn` is not compiled into the versions for wide registers.
+        let mut values = [0.0; N];
+        for (n, value) in values.iter_mut().enumerate() {
+            let [tx, ty, tz] = [self.t[0][n], self.t[1][n], self.t[2][n]];
             let edge = |c: usize| {
                 let [a, b] = corners[c][n];
                 lerp(a.to_f32(), b.to_f32(), tx)
             };
             let face = |c: usize| lerp(edge(c), edge(c + 1), ty);
-            lerp(face(0), face(2), tz)
-        })
+            *value = lerp(face(0), face(2), tz);
+        }
+        values
     }
 }
 
 /// [`TypedBricks::sample_row`], compiled for wide registers too. No operation is fused or reordered, so every version gives
 /// the same bits.
-#[multiversion::multiversion(targets("x86_64+avx2", "x86_64+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn sample_row<T: Voxel>(bricks: &TypedBricks<T>, index_from_lattice: &DAffine3, row: DVec3, i0: f64, out: &mut [f32]) {
     let last = bricks.last();
     let mut corners = [[[T::zeroed(); 2]; LANES]; 4];
