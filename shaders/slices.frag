@@ -14,8 +14,9 @@ layout(binding = 0) uniform sampler3D values;
 layout(binding = 1) uniform sampler3D normals;
 layout(binding = 2) uniform sampler1D table;
 
-layout(location = 0) in vec3 texture_at;
-layout(location = 1) in vec2 ray_slope;
+// A vertex's w is always 1.
+layout(location = 0) noperspective in vec3 texture_at;
+layout(location = 1) noperspective in vec2 ray_slope;
 layout(location = 2) flat in float cue;
 // What a frame's lights are, by the vertex shader: lavapipe gathers from a uniform for each pixel what it hands on for nothing.
 layout(location = 3) flat in vec4 material;
@@ -26,8 +27,9 @@ layout(location = 0) out vec4 color;
 
 // Premultiplied colour and opacity of one slab of ray.
 vec4 classify(float fraction, float path_per_depth) {
-    const float LAST = float(TABLE_LEN - 1);
-    vec4 c = texture(table, (clamp(fraction, 0.0, 1.0) * LAST + 0.5) / float(TABLE_LEN));
+    // The middle of the entry; the sampler clamps to the first and the last one.
+    const float ENTRY = 1.0 / float(TABLE_LEN);
+    vec4 c = texture(table, fraction * (1.0 - ENTRY) + 0.5 * ENTRY);
     if (PERSPECTIVE && c.a > 0.0) {
         float longer = 1.0 - pow(max(1.0 - c.a, 0.0), path_per_depth);
         c = vec4(c.rgb * (longer / c.a), longer);

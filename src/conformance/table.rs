@@ -30,7 +30,7 @@ impl TableSpans {
         }
         Self {
             levels,
-            // A product, a sum and a quotient, and the texture coordinate; the nearest entry is then read as it is.
+            // A product and a sum of rounded numbers, and the texture coordinate; the nearest entry is then read as it is.
             entry: TransferTable::LEN as f64 * (4.0 * ULP + precision.coordinate),
         }
     }
