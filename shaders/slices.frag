@@ -14,9 +14,9 @@ layout(binding = 0) uniform sampler3D values;
 layout(binding = 1) uniform sampler3D normals;
 layout(binding = 2) uniform sampler1D table;
 
-// A vertex's w is always 1.
-layout(location = 0) noperspective in vec3 texture_at;
-layout(location = 1) noperspective in vec2 ray_slope;
+// (Not noperspective, although every w is 1: lavapipe 22.3 then interpolates wrongly on polygons that it clips.)
+layout(location = 0) in vec3 texture_at;
+layout(location = 1) in vec2 ray_slope;
 layout(location = 2) flat in float cue;
 // What a frame's lights are, by the vertex shader: lavapipe gathers from a uniform for each pixel what it hands on for nothing.
 layout(location = 3) flat in vec4 material;

@@ -11,9 +11,9 @@ layout(std430, binding = 4) readonly buffer Boxes { BoxData boxes[]; };
 layout(std430, binding = 5) readonly buffer Vertices { MovingVertexData vertices[]; };
 layout(std430, binding = 6) readonly buffer Slices { SliceData slices[]; };
 
-layout(location = 0) noperspective out vec3 texture_at;
+layout(location = 0) out vec3 texture_at;
 // Eye-space x and y over depth: constant on a pixel, whatever the slice.
-layout(location = 1) noperspective out vec2 ray_slope;
+layout(location = 1) out vec2 ray_slope;
 layout(location = 2) flat out float cue;
 layout(location = 3) flat out vec4 material;
 layout(location = 4) flat out vec4 lights[MAX_LIGHTS];

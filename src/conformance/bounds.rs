@@ -33,7 +33,7 @@ impl Drawing {
     pub fn new(plan: &SlicePlan, storage: Storage, precision: Precision) -> Self {
         let boxes = plan.boxes.iter();
         Self {
-            boxes: boxes.map(|b| b.cube.bounds(b.extent)).collect(),
+            boxes: boxes.map(|b| b.visible.bounds()).collect(),
             storage,
             precision,
             bands: plan.band_faces_mm.len() + 1,

@@ -5,6 +5,7 @@ pub mod bands;
 mod camera;
 mod color;
 pub mod composite;
+mod halving;
 mod light;
 mod planes;
 pub mod presets;
@@ -19,6 +20,7 @@ mod visibility;
 
 pub use camera::{Camera, Lens, Projection, View};
 pub use color::rgb_from_hex;
+pub use halving::VisibleBox;
 pub use light::{DepthCue, Light, Material, Shading};
 pub use planes::{Planes, eye_from_lattice};
 pub use projector::{FrameSpec, ProjectError, Projector};

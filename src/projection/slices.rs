@@ -1,7 +1,7 @@
 //! The plan of a sliced frame: which polygons are drawn, in which order (VCSG §3.3.2).
 //!
 //! *Theory.* Blocks are visited from back to front, and each is drawn as the polygons in which the Z-planes cut it.
-//! *Changes from the paper.* Only the visible cubes of a block are drawn, the planes are shared by all of them
+//! *Changes from the paper.* Only the visible boxes of a block are drawn, the planes are shared by all of them
 //! ([`Planes`](super::Planes)), and templates are exact ([`Template`](super::Template)).
 //! *Practice.* The plan is plain data: a list of boxes with their template, and a list of slices. The device only carries it
 //! out, so everything up to the last step is tested without one.
@@ -10,19 +10,14 @@ use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::{Camera, Planes, Template, Visibility, eye_from_lattice};
+use super::{Camera, Planes, Template, Visibility, VisibleBox, eye_from_lattice};
 use crate::math::affine;
-use crate::target::Cube;
 
-/// A drawn box: a visible cube as far as it lies in the lattice.
+/// A drawn box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliceBox {
-    /// The block that holds its voxels.
-    pub block: u32,
-    /// The cube.
-    pub cube: Cube,
-    /// Its voxels in the lattice along each axis.
-    pub extent: [usize; 3],
+    /// Where it is.
+    pub visible: VisibleBox,
     /// Index of its template.
     pub template: u32,
     /// Depth of its nearest corner, millimetres.
@@ -75,8 +70,8 @@ impl SlicePlan {
             template_ids: HashMap::new(),
             camera,
         };
-        for (block, cube) in visibility.cubes_back_to_front(viewpoint) {
-            planner.add(block, cube, cube.extent(lattice.dims));
+        for visible in visibility.boxes_back_to_front(viewpoint) {
+            planner.add(visible);
         }
         planner.plan
     }
@@ -100,7 +95,7 @@ impl SlicePlan {
     /// The vertices of a slice in lattice coordinates, in order round the polygon.
     pub fn polygon(&self, slice: &Slice) -> Vec<DVec3> {
         let b = &self.boxes[slice.slice_box as usize];
-        let bounds = b.cube.bounds(b.extent);
+        let bounds = b.visible.bounds();
         let template = &self.templates[b.template as usize];
         let vertices = template.segment(slice.t_mm).map_or(&[][..], |s| &s.vertices);
         vertices
@@ -117,12 +112,10 @@ struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    fn add(&mut self, block: u32, cube: Cube, extent: [usize; 3]) {
+    fn add(&mut self, visible: VisibleBox) {
         let eye_from_lattice = &self.plan.eye_from_lattice;
-        let corners = cube
-            .bounds(extent)
-            .corners()
-            .map(|c| affine::point(eye_from_lattice, c));
+        let extent = visible.extent;
+        let corners = visible.bounds().corners().map(|c| affine::point(eye_from_lattice, c));
         let depths = corners.map(|c| c.z);
         let nearest_mm = depths.iter().copied().fold(f64::INFINITY, f64::min);
         let farthest_mm = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -143,9 +136,7 @@ impl Planner<'_> {
             t_mm: global.depth(k) - nearest_mm,
         }));
         self.plan.boxes.push(SliceBox {
-            block,
-            cube,
-            extent,
+            visible,
             template,
             nearest_mm,
             fragments: area_px.min(width * height),

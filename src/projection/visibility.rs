@@ -1,12 +1,13 @@
 //! Which parts of the target a transfer function shows.
 //!
-//! *Changes from the paper.* VCSG draws every block that the tree reaches; here only those cubes of a block are drawn whose
+//! *Changes from the paper.* VCSG draws every block that the tree reaches; here only those parts of a block are drawn whose
 //! value ranges ([`CellRanges`]) are not invisible throughout.
 //! *Practice.* Opaque table entries are counted once in a running sum, so asking for a range of values costs two look-ups.
 
 use glam::DVec3;
 
-use super::{Camera, Planes, TransferTable, eye_from_lattice};
+use super::halving::{Halving, Shown};
+use super::{Camera, Planes, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
 use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants_back_to_front};
 
@@ -74,7 +75,7 @@ impl DrawCost {
     /// fast, 100 a twentieth slower and 1000 a fifth (one machine, not quiet); no other device was tried.
     const SLICE: f64 = 200.0;
 
-    /// Fragments alone: a cube is drawn whole only if all of it shows.
+    /// Fragments alone: a box is drawn whole only if all of it shows.
     pub const VOXELS: Self = Self {
         fragments_per_voxel: 1.0,
         slices_per_step: DVec3::ZERO,
@@ -92,14 +93,15 @@ impl DrawCost {
         }
     }
 
-    fn of(&self, extent: [usize; 3]) -> f64 {
+    /// The cost of a box of `extent` voxels.
+    pub(super) fn of(&self, extent: [usize; 3]) -> f64 {
         let extent = DVec3::from_array(extent.map(|n| n as f64));
         let fragments = self.fragments_per_voxel * extent.element_product();
         fragments + Self::SLICE * self.slices_per_step.dot(extent)
     }
 }
 
-/// What is drawn of a target: whole octree cubes inside its blocks.
+/// What is drawn of a target: boxes inside its blocks.
 pub struct Visibility<'a> {
     /// The subdivision.
     pub target: &'a Target,
@@ -109,24 +111,22 @@ pub struct Visibility<'a> {
     pub values: &'a VisibleValues,
     /// Edge of the smallest cubes that are drawn apart, a power of two of at least [`CELL`] voxels.
     pub min_cube: usize,
-    /// What a cube costs: parts that do not show are drawn with the rest where that is cheaper than to draw around them.
+    /// What a box costs: parts that do not show are drawn with the rest where that is cheaper than to draw around them.
     pub cost: DrawCost,
 }
 
 impl Visibility<'_> {
-    /// The visible cubes with the index of their block, from back to front. Octants of one block are one cube where that is no dearer.
-    pub fn cubes_back_to_front(&self, viewpoint: Viewpoint) -> Vec<(u32, Cube)> {
+    /// The visible boxes, from back to front. Parts of one block are one box where that is no dearer.
+    pub fn boxes_back_to_front(&self, viewpoint: Viewpoint) -> Vec<VisibleBox> {
         let mut found = Vec::new();
         self.visit(0, self.target.octree.root, viewpoint, &mut found);
         found
     }
 
-    fn visit(&self, node: usize, cube: Cube, viewpoint: Viewpoint, found: &mut Vec<(u32, Cube)>) {
+    fn visit(&self, node: usize, cube: Cube, viewpoint: Viewpoint, found: &mut Vec<VisibleBox>) {
         match self.target.octree.nodes[node] {
             OctreeNode::Empty => {}
-            OctreeNode::Block(block) => {
-                self.visit_block(block, cube, viewpoint, found);
-            }
+            OctreeNode::Block(block) => found.extend(self.shown(block, cube, viewpoint).boxes),
             OctreeNode::Split(first) => {
                 for octant in octants_back_to_front(&cube, viewpoint) {
                     let node = first as usize + octant;
@@ -136,32 +136,32 @@ impl Visibility<'_> {
         }
     }
 
-    /// Adds the visible cubes of `cube`, a part of `block`; what they cost.
-    fn visit_block(&self, block: u32, cube: Cube, viewpoint: Viewpoint, found: &mut Vec<(u32, Cube)>) -> f64 {
-        let extent = cube.extent(self.target.lattice.dims);
+    /// What is drawn of `cube`, a part of `block`.
+    fn shown(&self, block: u32, cube: Cube, viewpoint: Viewpoint) -> Shown {
+        let dims = self.target.lattice.dims;
+        let extent = cube.extent(dims);
         if extent.contains(&0) {
-            return 0.0;
+            return Shown::default();
         }
-        let whole = self.cost.of(extent);
         if cube.size <= self.min_cube.max(CELL) {
             if !self.any_cell(block, &cube) {
-                return 0.0;
+                return Shown::default();
             }
-            found.push((block, cube));
-            return whole;
+            let origin = cube.origin;
+            return Shown {
+                boxes: vec![VisibleBox { block, origin, extent }],
+                cost: self.cost.of(extent),
+            };
         }
-        let begin = found.len();
-        let octants = octants_back_to_front(&cube, viewpoint);
-        let parts: f64 = octants
-            .into_iter()
-            .map(|o| self.visit_block(block, cube.octant(o), viewpoint, found))
-            .sum();
-        if found.len() == begin || parts < whole {
-            return parts;
-        }
-        found.truncate(begin);
-        found.push((block, cube));
-        whole
+        let octants = std::array::from_fn(|octant| self.shown(block, cube.octant(octant), viewpoint));
+        let halving = Halving {
+            block,
+            cube,
+            dims,
+            octants: &octants,
+            cost: &self.cost,
+        };
+        halving.shown(viewpoint)
     }
 
     fn any_cell(&self, block: u32, cube: &Cube) -> bool {

@@ -75,9 +75,9 @@ pub fn boxes(spec: &FrameSpec, plan: &SlicePlan, paged: &PagedTarget) -> Vec<Box
     plan.boxes
         .iter()
         .map(|b| {
-            let slot = paged.slots[b.block as usize];
-            let map = texture_map(&blocks[b.block as usize], slot, &paged.pages[slot.page]);
-            let bounds = b.cube.bounds(b.extent);
+            let slot = paged.slots[b.visible.block as usize];
+            let map = texture_map(&blocks[b.visible.block as usize], slot, &paged.pages[slot.page]);
+            let bounds = b.visible.bounds();
             BoxData {
                 origin: vec4(bounds.min, b.nearest_mm),
                 size: vec4(bounds.size(), 0.0),

@@ -197,7 +197,7 @@ impl Shared {
     ) -> Result<Vec<Draw>, GpuError> {
         let page_of = |n: usize| {
             let slice_box = &plan.boxes[plan.slices[n].slice_box as usize];
-            paged.slots[slice_box.block as usize].page
+            paged.slots[slice_box.visible.block as usize].page
         };
         let mut draws = Vec::new();
         let mut begin = part.start;

@@ -171,7 +171,7 @@ pub fn soft_normals(spec: &FrameSpec) -> Option<SoftNormals> {
     Some(SoftNormals::new(&spec.target.lattice, shading.soft_gradient))
 }
 
-/// What [`SliceRenderer::draw`] draws of a target: its visible cubes, back to front.
+/// What [`SliceRenderer::draw`] draws of a target: its visible boxes, back to front.
 pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
     let range = spec.target.value_range;
     let values = if spec.settings.mode.classifies() {

@@ -4,8 +4,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Viewpoint};
 use vcsg::model::Boundary;
-use vcsg::projection::{DrawCost, Visibility, VisibleValues};
-use vcsg::target::{Block, BlockVoxels, CellRanges, Cube, Layout, Target};
+use vcsg::projection::{DrawCost, Visibility, VisibleBox, VisibleValues};
+use vcsg::target::{Block, BlockVoxels, CellRanges, Layout, Target};
 
 use crate::support::parts::direction;
 use crate::support::scenes::{scene, subdivision};
@@ -62,10 +62,8 @@ fn passage(b: &Aabb, from: DVec3, along: DVec3, begin: f64) -> (f64, f64) {
     })
 }
 
-/// The boxes of cubes, in their order.
-fn boxes(target: &Target, cubes: &[(u32, Cube)]) -> Vec<Aabb> {
-    let bounds = |c: &Cube| c.bounds(c.extent(target.lattice.dims));
-    cubes.iter().map(|(_, cube)| bounds(cube)).collect()
+fn boxes(visible: &[VisibleBox]) -> Vec<Aabb> {
+    visible.iter().map(VisibleBox::bounds).collect()
 }
 
 /// Directions along axes and not; points in and round the unit cube.
@@ -94,7 +92,7 @@ proptest! {
     #![proptest_config(cases(96))]
 
     #[test]
-    fn cubes_come_from_back_to_front(
+    fn boxes_come_from_back_to_front(
         scene in scene(),
         subdivision in subdivision(Boundary::Exact),
         viewpoint in viewpoint(),
@@ -107,7 +105,7 @@ proptest! {
         let visibility = Visibility { target: &target, cells: &cells, values: &values, min_cube, cost: DrawCost::VOXELS };
         let bounds = target.lattice.bounds();
         let viewpoint = in_lattice(viewpoint, &bounds);
-        let boxes = boxes(&target, &visibility.cubes_back_to_front(viewpoint));
+        let boxes = boxes(&visibility.boxes_back_to_front(viewpoint));
         prop_assert_eq!(back_to_front(&boxes, viewpoint, &rays(&bounds, &fractions)), Ok(()));
     }
 }
@@ -128,7 +126,7 @@ fn two_swapped_boxes_are_seen() {
         let bounds = target.lattice.bounds();
         let rays = rays(&bounds, &seeded(&fractions(), seed));
         let viewpoint = in_lattice(seeded(&viewpoint(), seed), &bounds);
-        let mut boxes = boxes(&target, &visibility.cubes_back_to_front(viewpoint));
+        let mut boxes = boxes(&visibility.boxes_back_to_front(viewpoint));
         assert_eq!(back_to_front(&boxes, viewpoint, &rays), Ok(()));
         if let [first, .., last] = &mut boxes[..] {
             std::mem::swap(first, last);

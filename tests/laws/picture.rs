@@ -4,8 +4,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::image::Frame;
 use vcsg::model::Boundary;
-use vcsg::projection::{DrawCost, FrameSpec, Mode, Settings, Visibility, VisibleValues, reference};
-use vcsg::target::{Cube, OctreeNode, Subdivision, Target, VoxelTarget};
+use vcsg::projection::{DrawCost, FrameSpec, Mode, Settings, Visibility, VisibleBox, VisibleValues, reference};
+use vcsg::target::{OctreeNode, Subdivision, Target, VoxelTarget};
 
 use crate::order::cells_of;
 use crate::path::same_bits;
@@ -40,17 +40,17 @@ impl Picture {
         self.of(target, |spec| reference::render(&VoxelTarget::new(target), spec))
     }
 
-    /// The frame made only of samples in `cubes`.
-    fn within(&self, target: &Target, cubes: &[Cube]) -> Frame {
-        let bounds: Vec<_> = cubes.iter().map(|c| c.bounds(c.extent(target.lattice.dims))).collect();
+    /// The frame made only of samples in `boxes`.
+    fn within(&self, target: &Target, boxes: &[VisibleBox]) -> Frame {
+        let bounds: Vec<_> = boxes.iter().map(VisibleBox::bounds).collect();
         let shown = |p: DVec3| bounds.iter().any(|b| b.contains(p));
         self.of(target, |spec| {
             reference::render_where(&VoxelTarget::new(target), spec, &shown)
         })
     }
 
-    /// The cubes that are drawn of `target`.
-    fn cubes(&self, target: &Target) -> Vec<Cube> {
+    /// The boxes that are drawn of `target`.
+    fn boxes(&self, target: &Target) -> Vec<VisibleBox> {
         let range = target.value_range;
         self.of(target, |spec| {
             let values = match spec.settings.mode {
@@ -67,11 +67,7 @@ impl Picture {
             };
             let lattice_from_world = target.lattice.world_from_lattice.inverse();
             let viewpoint = spec.camera.viewpoint().transformed(&lattice_from_world);
-            visibility
-                .cubes_back_to_front(viewpoint)
-                .into_iter()
-                .map(|(_, cube)| cube)
-                .collect()
+            visibility.boxes_back_to_front(viewpoint)
         })
     }
 }
@@ -109,7 +105,7 @@ proptest! {
     #[test]
     fn what_is_left_out_does_not_show(scene in scene(), subdivision in subdivision(Boundary::Exact), picture in picture()) {
         let target = scene.target(&subdivision);
-        let drawn = picture.within(&target, &picture.cubes(&target));
+        let drawn = picture.within(&target, &picture.boxes(&target));
         prop_assert_eq!(same(&picture.reference(&target), &drawn), Ok(()));
     }
 }
@@ -163,8 +159,8 @@ fn a_dropped_block_a_shift_and_a_dropped_cube_are_seen() {
     assert!(shifted > 4, "{shifted} of 24");
     let uncovered = seen(|picture, scene| {
         let target = scene.target(&small_blocks());
-        let cubes = picture.cubes(&target);
-        picture.within(&target, &cubes[..cubes.len() / 2])
+        let boxes = picture.boxes(&target);
+        picture.within(&target, &boxes[..boxes.len() / 2])
     });
     assert!(uncovered > 4, "{uncovered} of 24");
 }

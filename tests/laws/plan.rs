@@ -4,8 +4,8 @@ use glam::{DAffine3, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, affine};
 use vcsg::model::Boundary;
-use vcsg::projection::{Camera, DrawCost, Planes, Slice, SlicePlan, Visibility, VisibleValues, bands};
-use vcsg::target::{Cube, Target};
+use vcsg::projection::{Camera, DrawCost, Planes, Slice, SlicePlan, Visibility, VisibleBox, VisibleValues, bands};
+use vcsg::target::Target;
 
 use crate::order::cells_of;
 use crate::support::scenes::{scene, subdivision};
@@ -44,12 +44,11 @@ impl Planned {
         let viewpoint = camera
             .viewpoint()
             .transformed(&target.lattice.world_from_lattice.inverse());
-        let bounds = |cube: Cube| cube.bounds(cube.extent(target.lattice.dims));
-        let cubes = visibility.cubes_back_to_front(viewpoint);
+        let visible = visibility.boxes_back_to_front(viewpoint);
         let depths = plan.eye_from_lattice.matrix3.row(2).abs().to_array();
         let steep = !depths.iter().any(|d| (1e-12..STEEPEST).contains(d));
         steep.then(|| Self {
-            boxes: cubes.into_iter().map(|(_, cube)| bounds(cube)).collect(),
+            boxes: visible.iter().map(VisibleBox::bounds).collect(),
             lattice_from_eye: plan.eye_from_lattice.inverse(),
             camera,
             plan,
@@ -143,7 +142,7 @@ impl Planned {
 
     fn polygon_is_exact(&self, slice: &Slice) -> Result<(), String> {
         let b = &self.plan.boxes[slice.slice_box as usize];
-        let bounds = b.cube.bounds(b.extent);
+        let bounds = b.visible.bounds();
         let depth = self.plan.planes.depth(self.plane_of(slice));
         let beyond = bounds.expand(DVec3::splat(NEAR));
         for v in self.plan.polygon(slice) {
