@@ -69,10 +69,27 @@ impl Part {
 impl Halving<'_> {
     /// The boxes that are drawn of the cube as seen from `viewpoint` (lattice coordinates).
     pub fn shown(&self, viewpoint: Viewpoint) -> Shown {
-        let far = octants_back_to_front(&self.cube, viewpoint)[0];
         let mut shown = Shown::default();
-        self.collect(Part::WHOLE, far, &mut shown);
+        let Some(whole) = self.whole(Part::WHOLE) else {
+            return shown;
+        };
+        if (0..8).all(|octant| self.is_whole(octant)) {
+            shown.boxes.push(whole);
+            shown.cost = self.cost.of(whole.extent);
+        } else {
+            let far = octants_back_to_front(&self.cube, viewpoint)[0];
+            self.collect(Part::WHOLE, far, &mut shown);
+        }
         shown
+    }
+
+    /// Whether all of an octant is drawn, as one box: if that is so of all eight, nothing is gained by drawing them apart.
+    fn is_whole(&self, octant: usize) -> bool {
+        let extent = self.cube.octant(octant).extent(self.dims);
+        match self.octants[octant].boxes[..] {
+            [only] => only.extent == extent,
+            _ => extent.contains(&0),
+        }
     }
 
     /// Adds the boxes of `part`. Bit `a` of `far` says that the high side of axis `a` is the farther one.
