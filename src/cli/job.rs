@@ -59,10 +59,10 @@ fn draw_slices(renderer: &mut SliceRenderer, spec: &FrameSpec, stages: &mut Stag
         .map(|b| b.extent.iter().product::<usize>() as u64)
         .sum();
     let bar = progress("reconstruct", voxels);
-    let paged = stages.time("reconstruct", || {
-        PagedTarget::new(&device, spec.target, normals.as_ref(), &mut |n| bar.inc(n as u64))
-    })?;
+    let paged = PagedTarget::new(&device, spec.target, normals.as_ref(), &mut |n| bar.inc(n as u64))?;
     bar.finish_and_clear();
+    stages.add("reconstruct", paged.reconstruct);
+    stages.add("upload", paged.upload);
     let (frame, times) = renderer.draw(spec, &paged)?;
     stages.add("plan", times.plan);
     stages.add("prepare", times.prepare);

@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
@@ -57,6 +58,10 @@ pub struct PagedTarget {
     pub slots: Vec<Slot>,
     /// The cells of each block.
     pub cells: Vec<CellRanges>,
+    /// What reconstructing the blocks took.
+    pub reconstruct: Duration,
+    /// What bringing them to the device took.
+    pub upload: Duration,
 }
 
 /// The formats of values and normals that pages use; a device must filter all of them linearly.
@@ -86,13 +91,19 @@ impl PagedTarget {
             pages,
             slots,
             cells: empty_cells(target),
+            reconstruct: Duration::ZERO,
+            upload: Duration::ZERO,
         };
         let all = pieces::pieces(target);
         let mut rest = &all[..];
         while !rest.is_empty() {
             let (batch, later) = rest.split_at(batch_len(rest));
+            let begin = Instant::now();
             let filled = pieces::fill(target, batch, normals);
-            paged.upload(device, batch, &filled)?;
+            let reconstructed = Instant::now();
+            paged.send(device, batch, &filled)?;
+            paged.reconstruct += reconstructed - begin;
+            paged.upload += reconstructed.elapsed();
             for (piece, texels) in batch.iter().zip(&filled) {
                 paged.cells[piece.index].ranges.extend(&texels.cells.ranges);
             }
@@ -108,7 +119,7 @@ impl PagedTarget {
         self.pages.iter().map(page).sum()
     }
 
-    fn upload(&self, device: &Arc<Device>, batch: &[Piece], filled: &[PieceTexels]) -> Result<(), GpuError> {
+    fn send(&self, device: &Arc<Device>, batch: &[Piece], filled: &[PieceTexels]) -> Result<(), GpuError> {
         let mut stage = Stage::default();
         for (piece, texels) in batch.iter().zip(filled) {
             let slot = self.slots[piece.index];

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every law; each panics with what is wrong.
-const LAWS: [fn(); 10] = [
+const LAWS: [fn(); 11] = [
     blocks::one_block_or_many_the_picture_is_the_same,
     bound_widths::a_smooth_scene_has_narrow_bounds,
     comparators::a_shifted_pixel_is_out_of_bounds,
@@ -24,6 +24,7 @@ const LAWS: [fn(); 10] = [
     comparators::swapped_blocks_are_out_of_bounds,
     comparators::flipped_operands_are_out_of_bounds,
     comparators::half_a_texel_is_out_of_bounds,
+    modes::the_same_scene_gives_the_same_bytes,
     modes::what_is_hidden_may_be_left_out,
     modes::slices_agree_with_the_reference,
     modes::random_scenes_agree_with_the_reference,
