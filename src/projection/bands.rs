@@ -45,7 +45,7 @@ fn least_through(spec: &FrameSpec) -> f64 {
 pub fn cut_into(mut plan: SlicePlan, count: usize) -> SlicePlan {
     plan.band_faces_mm = faces(&plan, count);
     let mut slices = std::mem::take(&mut plan.slices);
-    slices.sort_by_key(|slice| Reverse(plan.band(slice)));
+    slices.sort_by_cached_key(|slice| Reverse(plan.band(slice)));
     plan.slices = slices;
     plan
 }

@@ -5,6 +5,7 @@
 //! *Practice.* Opaque table entries are counted once in a running sum, so asking for a range of values costs two look-ups.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::halving::{Halving, Shown};
 use super::{Camera, Planes, TransferTable, VisibleBox, eye_from_lattice};
@@ -153,7 +154,7 @@ impl Visibility<'_> {
                 cost: self.cost.of(extent),
             };
         }
-        let octants = std::array::from_fn(|octant| self.shown(block, cube.octant(octant), viewpoint));
+        let octants = self.octants(block, cube, viewpoint);
         let halving = Halving {
             block,
             cube,
@@ -162,6 +163,25 @@ impl Visibility<'_> {
             cost: &self.cost,
         };
         halving.shown(viewpoint)
+    }
+
+    /// What is drawn of each octant of a cube; those of large cubes are looked at side by side.
+    fn octants(&self, block: u32, cube: Cube, viewpoint: Viewpoint) -> [Shown; 8] {
+        const ALONE: usize = 64;
+        let shown = |octant: usize| self.shown(block, cube.octant(octant), viewpoint);
+        let mut octants: [Shown; 8] = Default::default();
+        if cube.size <= ALONE {
+            octants
+                .iter_mut()
+                .enumerate()
+                .for_each(|(n, octant)| *octant = shown(n));
+        } else {
+            octants
+                .par_iter_mut()
+                .enumerate()
+                .for_each(|(n, octant)| *octant = shown(n));
+        }
+        octants
     }
 
     fn any_cell(&self, block: u32, cube: &Cube) -> bool {
