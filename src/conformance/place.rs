@@ -5,8 +5,8 @@
 //! not negative and sum to 1; and a pixel more than δ within the polygon is drawn, one more than δ outside is not.
 //! *Practice.* δ is the rasteriser's grid and what single precision does to a vertex; both become a box of the lattice, to which
 //! the errors of texture coordinates and filter weights are added. A triangle thinner than δ may have no area on that grid, and
-//! then nothing says what is interpolated on it: SwiftShader takes all of it from one corner. So near the rim of a polygon with so short
-//! an edge, anything on the polygon may be sampled.
+//! then nothing says what is interpolated on it: SwiftShader takes all of it from one corner. So at the rim of a
+//! polygon, where it is on a triangle with so short an edge, anything on the polygon may be sampled.
 
 use glam::{DAffine3, DVec3};
 
@@ -106,7 +106,7 @@ impl Places {
         let mut sampled = reach;
         if times != [1, 1] {
             let near = self.boxes.iter().filter(|b| !b.intersect(&reach).is_empty());
-            for sliver in near.filter_map(|b| self.sliver(b, eye.z)) {
+            for sliver in near.filter_map(|b| self.sliver(b, eye)) {
                 sampled = sampled.hull(&sliver);
             }
         }
@@ -116,25 +116,35 @@ impl Places {
         })
     }
 
-    /// What the plane at `depth` cuts out of a box, if the polygon has an edge that the rasteriser's grid may make a point.
-    fn sliver(&self, b: &Aabb, depth: f64) -> Option<Aabb> {
+    /// The polygon that `b` has at the depth of `eye`, if `eye` is on a triangle of it that the rasteriser's grid may make a
+    /// line: one with so short an edge, seen from any other vertex.
+    fn sliver(&self, b: &Aabb, eye: DVec3) -> Option<Aabb> {
+        let near_mm = 2.0 * self.vertex_px(eye.z) / self.pixels_per_mm(eye.z);
+        let vertices = self.polygon(b, eye.z);
+        let is_short =
+            |n: usize| (0..vertices.len()).any(|m| m != n && vertices[n].1.distance(vertices[m].1) < near_mm);
+        let short: Vec<DVec3> = (0..vertices.len())
+            .filter(|&n| is_short(n))
+            .map(|n| vertices[n].1)
+            .collect();
+        let touched = short
+            .iter()
+            .any(|a| vertices.iter().any(|c| distance_to_segment(eye, *a, c.1) < near_mm));
+        touched.then(|| Aabb::of_points(vertices.iter().map(|vertex| vertex.0)))
+    }
+
+    /// The vertices of the polygon in which the plane at `depth` cuts a box, in the lattice and in the eye frame, in no order.
+    fn polygon(&self, b: &Aabb, depth: f64) -> Vec<(DVec3, DVec3)> {
         let corners = b.corners();
         let eyes = corners.map(|corner| affine::point(&self.eye_from_lattice, corner));
         let edges = (0..8usize).flat_map(|from| [1, 2, 4].map(|bit| (from, from | bit)));
-        let cuts: Vec<(DVec3, DVec3)> = edges
+        edges
             .filter(|&(from, to)| from != to && (eyes[from].z < depth) != (eyes[to].z < depth))
             .map(|(from, to)| {
                 let t = (depth - eyes[from].z) / (eyes[to].z - eyes[from].z);
                 (corners[from].lerp(corners[to], t), eyes[from].lerp(eyes[to], t))
             })
-            .collect();
-        let shortest_mm = 2.0 * self.vertex_px(depth) / self.pixels_per_mm(depth);
-        let pairs = cuts
-            .iter()
-            .enumerate()
-            .flat_map(|(n, a)| cuts[..n].iter().map(move |b| (a, b)));
-        let thin = pairs.into_iter().any(|(a, b)| a.1.distance(b.1) < shortest_mm);
-        thin.then(|| Aabb::of_points(cuts.into_iter().map(|cut| cut.0)))
+            .collect()
     }
 
     /// How far the drawn point may be from the exact one, along each axis of the lattice.
@@ -165,6 +175,12 @@ impl Places {
         }
         [0, possible.max(1)]
     }
+}
+
+fn distance_to_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let along = b - a;
+    let t = (p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+    p.distance(a + along * t.clamp(0.0, 1.0))
 }
 
 /// Rounding of a vertex's place across the line of sight in single precision, millimetres: its place in the lattice (two

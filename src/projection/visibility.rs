@@ -72,8 +72,8 @@ pub struct DrawCost {
 }
 
 impl DrawCost {
-    /// What a slice costs beside its fragments, in fragments: a rough choice. On lavapipe, for one head, 150 and 250 drew equally
-    /// fast, 100 a twentieth slower and 1000 a fifth (one machine, not quiet); no other device was tried.
+    /// What a slice costs beside its fragments, in fragments: a rough choice. On lavapipe, for one head, what 100, 150 and 250
+    /// drew differed by less than the noise; with larger cubes 1000 took longer than 350. No other device was tried.
     const SLICE: f64 = 200.0;
 
     /// Fragments alone: a box is drawn whole only if all of it shows.
