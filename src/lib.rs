@@ -102,6 +102,7 @@ pub mod output;
 pub mod projection;
 pub mod render;
 pub mod scene;
+pub mod surface;
 pub mod target;
 pub mod volume;
 

@@ -23,13 +23,13 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
     if let Some(position) = FLOW.iter().position(|m| *m == module) {
         return Some(earlier(position));
     }
-    let up_to_projection = FLOW.len() - 1;
+    let all = FLOW.len();
     Some(match module {
         "interface" | "output" => vec![],
         "gpu" => vec!["interface"],
         "image" => vec!["math", "output"],
-        "scene" => earlier(up_to_projection),
-        "render" => [earlier(up_to_projection), vec!["gpu", "image", "shaders"]].concat(),
+        "scene" => earlier(all),
+        "render" => [earlier(all), vec!["gpu", "image", "shaders"]].concat(),
         "conformance" | "viewer" => below_tops(),
         "cli" => [below_tops(), vec!["conformance", "viewer"]].concat(),
         "lib" | "main" => [below_tops(), TOPS.to_vec()].concat(),

@@ -1,0 +1,45 @@
+//! A triangle mesh in memory.
+
+use std::ops::Range;
+
+/// Triangles that share vertices. Positions are LPS millimetres.
+///
+/// A mesh from extraction is closed away from the lattice's border, wound counterclockwise seen from the side of lower values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Where the vertices are.
+    pub positions: Vec<[f32; 3]>,
+    /// One unit normal a vertex, towards lower values; zero where the data has no gradient.
+    pub normals: Vec<[f32; 3]>,
+    /// The data's value at each vertex, or empty.
+    pub values: Vec<f32>,
+    /// Red, green, blue and alpha of each vertex, not premultiplied, in sRGB; or empty.
+    pub colors: Vec<[u8; 4]>,
+    /// Three vertices a triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Runs of triangles that belong together, in their order and without gaps.
+    pub parts: Vec<Part>,
+}
+
+/// A run of triangles of a [`Mesh`]: the surface of one isovalue, or a cap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What the triangles are labelled with in files that have a place for it.
+    pub label: u32,
+    /// The value whose surface this is; `None` for a cap.
+    pub iso: Option<f64>,
+    /// Which triangles of the mesh.
+    pub triangles: Range<usize>,
+}
+
+impl Mesh {
+    /// Whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The corners of triangle `n` (below `triangles.len()`).
+    pub fn corners(&self, n: usize) -> [[f32; 3]; 3] {
+        self.triangles[n].map(|v| self.positions[v as usize])
+    }
+}

@@ -1,0 +1,5 @@
+//! Surfaces of constant value as triangle meshes, on the processor (LC87).
+
+mod mesh;
+
+pub use mesh::{Mesh, Part};
