@@ -1,5 +1,12 @@
 //! Surfaces of constant value as triangle meshes, on the processor (LC87).
 
+mod cases;
+mod cells;
+mod extract;
+mod inside;
 mod mesh;
+mod vertices;
+mod weld;
 
+pub use extract::{ExtractError, marching_cubes};
 pub use mesh::{Mesh, Part};

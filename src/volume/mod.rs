@@ -10,4 +10,5 @@ mod voxel;
 pub use bricks::{BrickStore, Bricks, TypedBricks};
 pub use field::{Field, Sample, SampleRange};
 pub use grid::{Grid, GridError, Stats, Voxels};
+pub(crate) use voxel::for_type;
 pub use voxel::{Voxel, VoxelType};

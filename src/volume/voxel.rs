@@ -15,6 +15,9 @@ pub trait Voxel: bytemuck::Pod + PartialEq + PartialOrd + Send + Sync + 'static 
     /// The value in `f64`, exact for every type.
     fn to_f64(self) -> f64;
 
+    /// The smallest value that is not below `v`, which is not NaN; `None` where the type ends below it.
+    fn not_below(v: f64) -> Option<Self>;
+
     /// The value as [`Bricks`](super::Bricks) keep it: a negative zero is made positive, so that equal values have equal
     /// bits, and what is not finite or above half of `f32::MAX`, so that a difference could overflow, becomes NaN.
     fn regular(self) -> Self;
@@ -74,7 +77,7 @@ impl VoxelType {
 }
 
 macro_rules! impl_voxel {
-    ($($scalar:ident $tag:ident $regular:expr;)*) => {$(
+    ($($scalar:ident $tag:ident $regular:expr, $not_below:expr;)*) => {$(
         impl Voxel for $scalar {
             const TYPE: VoxelType = VoxelType::$tag;
 
@@ -86,6 +89,10 @@ macro_rules! impl_voxel {
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self as f64
+            }
+
+            fn not_below(v: f64) -> Option<Self> {
+                $not_below(v)
             }
 
             #[inline(always)]
@@ -101,6 +108,11 @@ fn regular_f32(v: f32) -> f32 {
     if v.abs() <= f32::MAX / 2.0 { v + 0.0 } else { f32::NAN }
 }
 
+fn not_below_f32(v: f64) -> f32 {
+    let nearest = v as f32;
+    if f64::from(nearest) < v { nearest.next_up() } else { nearest }
+}
+
 fn regular_f64(v: f64) -> f64 {
     if v.abs() <= f64::from(f32::MAX / 2.0) {
         v + 0.0
@@ -110,14 +122,14 @@ fn regular_f64(v: f64) -> f64 {
 }
 
 impl_voxel! {
-    u8 U8 identity;
-    i8 I8 identity;
-    u16 U16 identity;
-    i16 I16 identity;
-    u32 U32 identity;
-    i32 I32 identity;
-    f32 F32 regular_f32;
-    f64 F64 regular_f64;
+    u8 U8 identity, |v: f64| (v <= f64::from(u8::MAX)).then_some(v.ceil() as u8);
+    i8 I8 identity, |v: f64| (v <= f64::from(i8::MAX)).then_some(v.ceil() as i8);
+    u16 U16 identity, |v: f64| (v <= f64::from(u16::MAX)).then_some(v.ceil() as u16);
+    i16 I16 identity, |v: f64| (v <= f64::from(i16::MAX)).then_some(v.ceil() as i16);
+    u32 U32 identity, |v: f64| (v <= f64::from(u32::MAX)).then_some(v.ceil() as u32);
+    i32 I32 identity, |v: f64| (v <= f64::from(i32::MAX)).then_some(v.ceil() as i32);
+    f32 F32 regular_f32, |v: f64| Some(not_below_f32(v));
+    f64 F64 regular_f64, Some;
 }
 
 /// Evaluates `$body` with `$v` bound to what the variant of `$value` holds; `$enum` has one variant a [`VoxelType`].
@@ -153,3 +165,21 @@ macro_rules! map_type {
 }
 
 pub(crate) use {for_type, map_type};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_smallest_value_not_below() {
+        assert_eq!(u8::not_below(-7.5), Some(0));
+        assert_eq!(u8::not_below(2.25), Some(3));
+        assert_eq!(u8::not_below(255.0), Some(255));
+        assert_eq!(u8::not_below(255.5), None);
+        assert_eq!(i16::not_below(-2.5), Some(-2));
+        assert_eq!(f32::not_below(0.1), Some(0.1));
+        assert_eq!(f32::not_below(f64::from(0.1_f32) + 1e-12), Some(0.1_f32.next_up()));
+        assert_eq!(f32::not_below(f64::from(0.1_f32) - 1e-12), Some(0.1));
+        assert_eq!(f32::not_below(f64::MAX), Some(f32::INFINITY));
+    }
+}
