@@ -13,6 +13,7 @@ mod rates;
 mod resampling;
 mod runs;
 mod scene;
+mod surfaces;
 mod vtk;
 
 use std::error::Error;
@@ -41,6 +42,9 @@ struct Arguments {
     /// Fail if a bar is missed.
     #[arg(long)]
     strict: bool,
+    /// Measure surfaces only, and write no report.
+    #[arg(long)]
+    surfaces: bool,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
@@ -57,6 +61,7 @@ struct Report {
     rates: rates::Rates,
     resampling: Vec<resampling::Comparison>,
     memory: Vec<memory::Measured>,
+    surfaces: Vec<surfaces::Comparison>,
 }
 
 fn main() -> ExitCode {
@@ -77,11 +82,11 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return memory::print_usage_of(scene).map(|()| 0);
     }
     vtk::require_setup()?;
+    if arguments.surfaces {
+        return surfaces::compare(arguments.repetitions().runs).map(|_| 0);
+    }
     vtk::write_volumes()?;
-    let report = Report::measure(match arguments.quick {
-        true => Repetitions { runs: 2, builds: 1 },
-        false => Repetitions { runs: 9, builds: 3 },
-    })?;
+    let report = Report::measure(arguments.repetitions())?;
     write_whole(Path::new(REPORT), |out| {
         serde_json::to_writer_pretty(&mut *out, &report)?;
         out.write_all(b"\n")
@@ -92,6 +97,15 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         println!("MISSED: {}: {:.2}, {bar}", bar.what, bar.value);
     }
     Ok(missed.len())
+}
+
+impl Arguments {
+    fn repetitions(&self) -> Repetitions {
+        match self.quick {
+            true => Repetitions { runs: 2, builds: 1 },
+            false => Repetitions { runs: 9, builds: 3 },
+        }
+    }
 }
 
 impl Report {
@@ -105,6 +119,7 @@ impl Report {
             rates: rates::measure(&device, repetitions.runs)?,
             resampling: resampling::compare(repetitions.runs)?,
             memory: memory::measure()?,
+            surfaces: surfaces::compare(repetitions.runs)?,
         })
     }
 
@@ -113,6 +128,7 @@ impl Report {
         let rates = self.rates.rates.iter().filter_map(|r| r.bar.as_ref());
         let resampling = self.resampling.iter().map(|c| &c.bar);
         let memory = self.memory.iter().map(|m| &m.bar);
-        frames.chain(rates).chain(resampling).chain(memory).collect()
+        let surfaces = self.surfaces.iter().flat_map(|c| &c.bars);
+        frames.chain(rates).chain(resampling).chain(memory).chain(surfaces).collect()
     }
 }

@@ -8,6 +8,7 @@
 //! set bits below it. All rows can then be worked on at once.
 
 use super::cases::CASES;
+use super::inside::InsideRows;
 
 /// How many vertices there are on the x, y and z edges that start in a row of voxels, and triangles in the row of cells there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,8 +17,16 @@ pub(super) struct RowCount {
     pub triangles: u32,
 }
 
-/// The vertex number of the first crossed x, y and z edge that starts in a row of voxels.
-pub(super) type RowFirst = [u32; 3];
+/// Where a row's vertices are, and whether it has any work.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RowPlan {
+    /// The numbers of the vertices on the first crossed x, y and z edge that starts in the row.
+    pub first: [u32; 3],
+    /// Whether any x, y or z edge is crossed.
+    pub crossed: [bool; 3],
+    /// Whether any cell has triangles.
+    pub triangles: bool,
+}
 
 /// The bits of the four rows of voxels round a row of cells: bit 0 of an index is the upper one in y, bit 1 in z.
 ///
@@ -25,29 +34,53 @@ pub(super) type RowFirst = [u32; 3];
 /// that no edge towards them is crossed.
 #[derive(Clone, Copy)]
 pub(super) struct RowsRound<'a> {
-    pub rows: [&'a [u64]; 4],
+    rows: [&'a [u64]; 4],
     /// Voxels in a row.
-    pub width: usize,
+    width: usize,
 }
 
-impl RowsRound<'_> {
+impl<'a> RowsRound<'a> {
+    /// The rows round row `j` of slice `k`.
+    #[inline(always)]
+    pub fn new(rows: &'a InsideRows, j: usize, k: usize) -> Self {
+        let [width, ny, nz] = rows.dims;
+        let (up, above) = ((j + 1).min(ny - 1), (k + 1).min(nz - 1));
+        Self {
+            rows: [rows.row(j, k), rows.row(up, k), rows.row(j, above), rows.row(up, above)],
+            width,
+        }
+    }
+
+    /// Words in a row.
+    #[inline(always)]
+    pub fn words(&self) -> usize {
+        self.rows[0].len()
+    }
+
     /// The part of all rows in word `w`.
     #[inline(always)]
     fn word(&self, w: usize) -> CellWord {
-        let here = self.rows.map(|row| row[w]);
-        let next = self.rows.map(|row| row[w] >> 1 | row.get(w + 1).map_or(0, |above| above << 63));
+        let (mut here, mut next) = ([0; 4], [0; 4]);
+        for (n, row) in self.rows.iter().enumerate() {
+            here[n] = row[w];
+            next[n] = row[w] >> 1;
+            if w + 1 < row.len() {
+                next[n] |= row[w + 1] << 63;
+            }
+        }
         // The last voxel of a row starts neither a cell nor an x edge.
         let starts = self.width - 1 - (w * 64).min(self.width - 1);
         let cells = if starts >= 64 { u64::MAX } else { (1 << starts) - 1 };
         CellWord { here, next, cells }
     }
 
-    /// The crossed x, y and z edges that start in word `w` of the first row.
+    /// The crossed edges along `axis` that start in word `w` of the first row.
     #[inline(always)]
-    pub fn crossed(&self, w: usize) -> [u64; 3] {
-        let word = self.word(w);
-        let [row, up, above, _] = word.here;
-        [word.crossed_x(0), row ^ up, row ^ above]
+    pub fn crossed(&self, w: usize, axis: usize) -> u64 {
+        match axis {
+            0 => self.word(w).crossed_x(0),
+            _ => self.rows[0][w] ^ self.rows[axis][w],
+        }
     }
 }
 
@@ -97,42 +130,52 @@ impl Iterator for SetBits {
     }
 }
 
-/// Counts what a row makes.
+/// Counts what each row of slice `k` makes.
 #[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
-pub(super) fn count(round: RowsRound<'_>) -> RowCount {
-    let mut count = RowCount::default();
-    for w in 0..round.rows[0].len() {
-        let crossed = round.crossed(w);
-        for axis in 0..3 {
-            count.edges[axis] += crossed[axis].count_ones();
-        }
-        let word = round.word(w);
-        for i in SetBits(word.active()) {
-            count.triangles += u32::from(CASES[word.case(i)].count);
+pub(super) fn count(rows: &InsideRows, k: usize, counts: &mut [RowCount]) {
+    let [_, ny, nz] = rows.dims;
+    for (j, count) in counts.iter_mut().enumerate() {
+        let round = RowsRound::new(rows, j, k);
+        *count = RowCount::default();
+        for w in 0..round.words() {
+            for axis in 0..3 {
+                count.edges[axis] += round.crossed(w, axis).count_ones();
+            }
+            if j + 1 < ny && k + 1 < nz {
+                let word = round.word(w);
+                for i in SetBits(word.active()) {
+                    count.triangles += u32::from(CASES[word.case(i)].count);
+                }
+            }
         }
     }
-    count
 }
 
-/// Writes the triangles of a row of cells to the front of `triangles`, and returns how many; `first` belongs to the four rows.
+/// Writes the triangles of the cells between slices `k` and `k + 1`; `plan` is for each row of those two slices.
 #[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
-pub(super) fn connect(round: RowsRound<'_>, mut first: [RowFirst; 4], triangles: &mut [[u32; 3]]) -> usize {
-    let mut written = 0;
-    for w in 0..round.rows[0].len() {
-        let word = round.word(w);
-        let crossings = Crossings::new(&word);
-        for i in SetBits(word.active()) {
-            let vertices = crossings.vertices(&first, i);
-            let case = &CASES[word.case(i)];
-            let made = &case.triangles[..usize::from(case.count)];
-            for (out, edges) in triangles[written..].iter_mut().zip(made) {
-                *out = edges.map(|e| vertices[usize::from(e)]);
+pub(super) fn connect(rows: &InsideRows, k: usize, plan: [&[RowPlan]; 2], triangles: &mut [[u32; 3]]) {
+    let mut places = triangles.iter_mut();
+    for j in (0..rows.dims[1] - 1).filter(|j| plan[0][*j].triangles) {
+        let round = RowsRound::new(rows, j, k);
+        let [lower, upper] = plan;
+        let mut first = [lower[j].first, lower[j + 1].first, upper[j].first, upper[j + 1].first];
+        for w in 0..round.words() {
+            let word = round.word(w);
+            let crossings = Crossings::new(&word);
+            for i in SetBits(word.active()) {
+                let vertices = crossings.vertices(&first, i);
+                let case = &CASES[word.case(i)];
+                for edges in &case.triangles[..usize::from(case.count)] {
+                    if let Some(triangle) = places.next() {
+                        for v in 0..3 {
+                            triangle[v] = vertices[usize::from(edges[v])];
+                        }
+                    }
+                }
             }
-            written += made.len();
+            crossings.step_over(&mut first);
         }
-        crossings.step_over(&mut first);
     }
-    written
 }
 
 /// The crossed edges round 64 cells of a row: x edges of all four rows, y edges of the lower and the upper slice, z edges of
@@ -156,11 +199,10 @@ impl Crossings {
 
     /// The vertex on each of the twelve edges of cell `i`; a meaningless number where the edge is not crossed.
     #[inline(always)]
-    fn vertices(&self, first: &[RowFirst; 4], i: u32) -> [u32; 12] {
+    fn vertices(&self, first: &[[u32; 3]; 4], i: u32) -> [u32; 12] {
         let before = (1 << i) - 1;
         // Edges at the cell's upper x are one further in their row.
         let through = before | 1 << i;
-        let number = |first: u32, crossed: u64, below: u64| first + (crossed & below).count_ones();
         [
             number(first[0][0], self.x[0], before),
             number(first[1][0], self.x[1], before),
@@ -179,13 +221,19 @@ impl Crossings {
 
     /// Moves `first` to the next word.
     #[inline(always)]
-    fn step_over(&self, first: &mut [RowFirst; 4]) {
-        for (first, crossed) in first.iter_mut().zip(self.x) {
-            first[0] += crossed.count_ones();
+    fn step_over(&self, first: &mut [[u32; 3]; 4]) {
+        for n in 0..4 {
+            first[n][0] += self.x[n].count_ones();
         }
         first[0][1] += self.y[0].count_ones();
         first[2][1] += self.y[1].count_ones();
         first[0][2] += self.z[0].count_ones();
         first[1][2] += self.z[1].count_ones();
     }
+}
+
+/// The number of the vertex on an edge: `first`, and one more for each crossed edge before it.
+#[inline(always)]
+fn number(first: u32, crossed: u64, before: u64) -> u32 {
+    first + (crossed & before).count_ones()
 }

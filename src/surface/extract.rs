@@ -14,10 +14,11 @@ use glam::DAffine3;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::cells::{self, RowCount, RowFirst, RowsRound};
-use super::inside::{self, InsideRows};
+use super::cells::{self, RowCount, RowPlan};
+use super::inside::InsideRows;
 use super::mesh::{Mesh, Part};
-use super::vertices::{Hit, Interpolator, Slices, VertexSink, interpolate};
+use super::slices::Slices;
+use super::vertices::{Hit, Level, VertexSink, interpolate};
 use super::weld::weld;
 use crate::volume::{Grid, Voxel, Voxels, for_type};
 
@@ -66,7 +67,7 @@ fn extract<T: Voxel>(
         first_slice: 0,
         dims,
     };
-    let rows = Rows::classified(slices, smallest_inside);
+    let rows = InsideRows::of(slices, smallest_inside);
     let plan = Plan::new(&rows)?;
     let mut mesh = Mesh {
         positions: vec![[0.0; 3]; plan.vertices()],
@@ -74,9 +75,9 @@ fn extract<T: Voxel>(
         triangles: vec![[0; 3]; plan.triangles()],
         ..Mesh::default()
     };
-    let interpolator = Interpolator::new(slices, iso, *world_from_index);
-    let hits = fill(&mut mesh, &rows, &plan, &interpolator);
-    weld(&mut mesh, hits);
+    let level = Level::new(iso, *world_from_index);
+    let hits = fill(&mut mesh, &plan, |task| fill_slice(task, slices, &rows, &plan, &level));
+    weld(&mut mesh, &hits, dims[0] * dims[1]);
     if world_from_index.matrix3.determinant() < 0.0 {
         mesh.triangles.par_iter_mut().for_each(|t| t.swap(1, 2));
     }
@@ -88,79 +89,37 @@ fn extract<T: Voxel>(
     Ok(mesh)
 }
 
-/// The bits of all voxels of a lattice.
-struct Rows {
-    inside: InsideRows,
-    dims: [usize; 3],
-}
-
-impl Rows {
-    fn classified<T: Voxel>(slices: Slices<'_, T>, smallest_inside: T) -> Self {
-        let dims @ [nx, ny, nz] = slices.dims;
-        let mut inside = InsideRows::new(nx, ny * nz);
-        inside
-            .runs_mut(ny)
-            .enumerate()
-            .for_each(|(k, words)| inside::classify(slices.slice(k), nx, smallest_inside, words));
-        Self { inside, dims }
-    }
-
-    /// The rows round the row of cells at row `j` of slice `k`.
-    fn round(&self, j: usize, k: usize) -> RowsRound<'_> {
-        let [width, ny, nz] = self.dims;
-        let row = |j: usize, k: usize| self.inside.row(j.min(ny - 1) + ny * k.min(nz - 1));
-        RowsRound {
-            rows: [row(j, k), row(j + 1, k), row(j, k + 1), row(j + 1, k + 1)],
-            width,
-        }
-    }
-
-    /// Counts for each row of each slice.
-    fn counts(&self) -> Vec<RowCount> {
-        let [_, ny, nz] = self.dims;
-        (0..ny * nz)
-            .into_par_iter()
-            .with_min_len(ny)
-            .map(|n| {
-                let (j, k) = (n % ny, n / ny);
-                let count = cells::count(self.round(j, k));
-                let has_cells = j + 1 < ny && k + 1 < nz;
-                RowCount {
-                    triangles: if has_cells { count.triangles } else { 0 },
-                    ..count
-                }
-            })
-            .collect()
-    }
-}
-
-/// Where each row's vertices and triangles go. A slice's vertices on x and y edges come before those on its z edges, and row
-/// after row in both.
+/// Where each row's vertices and triangles go. A slice's vertices on x edges come before those on y edges, then those on z
+/// edges, each row after row.
 struct Plan {
-    rows: Vec<RowFirst>,
+    rows: Vec<RowPlan>,
     /// For each slice and the end: the numbers of vertices and triangles before it.
     before: Vec<[usize; 2]>,
 }
 
 impl Plan {
-    fn new(rows: &Rows) -> Result<Self, ExtractError> {
-        let ny = rows.dims[1];
-        let counts = rows.counts();
+    fn new(rows: &InsideRows) -> Result<Self, ExtractError> {
+        let [_, ny, nz] = rows.dims;
+        let mut counts = vec![RowCount::default(); ny * nz];
+        let slices = counts.par_chunks_mut(ny).enumerate();
+        slices.for_each(|(k, counts)| cells::count(rows, k, counts));
         let mut plan = Self {
-            rows: vec![[0; 3]; counts.len()],
+            rows: vec![RowPlan::default(); counts.len()],
             before: vec![[0; 2]],
         };
         let [mut vertices, mut triangles] = [0_u64; 2];
-        for (counts, firsts) in counts.chunks(ny).zip(plan.rows.chunks_mut(ny)) {
-            for axes in [0..2, 2..3] {
-                for (count, first) in counts.iter().zip(firsts.iter_mut()) {
-                    for axis in axes.clone() {
-                        first[axis] = vertices as u32;
-                        vertices += u64::from(count.edges[axis]);
-                    }
+        for (counts, rows) in counts.chunks(ny).zip(plan.rows.chunks_mut(ny)) {
+            for axis in 0..3 {
+                for (count, row) in counts.iter().zip(rows.iter_mut()) {
+                    row.first[axis] = vertices as u32;
+                    row.crossed[axis] = count.edges[axis] > 0;
+                    vertices += u64::from(count.edges[axis]);
                 }
             }
-            triangles += counts.iter().map(|c| u64::from(c.triangles)).sum::<u64>();
+            for (count, row) in counts.iter().zip(rows) {
+                row.triangles = count.triangles > 0;
+                triangles += u64::from(count.triangles);
+            }
             plan.before.push([countable(vertices, "vertices")?, countable(triangles, "triangles")?]);
         }
         Ok(plan)
@@ -194,32 +153,27 @@ struct SliceTask<'a> {
     triangles: &'a mut [[u32; 3]],
 }
 
-/// Writes all vertices and triangles, and returns the vertices that fall on voxels.
-fn fill<T: Voxel>(mesh: &mut Mesh, rows: &Rows, plan: &Plan, interpolator: &Interpolator<'_, T>) -> Vec<Hit> {
+/// Has `fill` write each slice's vertices and triangles, and returns each slice's vertices that fall on voxels.
+fn fill(mesh: &mut Mesh, plan: &Plan, fill: impl Fn(SliceTask<'_>) -> Vec<Hit> + Send + Sync) -> Vec<Vec<Hit>> {
     let mut positions = mesh.positions.as_mut_slice();
     let mut normals = mesh.normals.as_mut_slice();
     let mut triangles = mesh.triangles.as_mut_slice();
-    let tasks: Vec<SliceTask<'_>> = (0..rows.dims[2])
-        .map(|k| {
-            let vertices = plan.of_slice(k, 0);
-            SliceTask {
-                k,
-                sink: VertexSink {
-                    positions: split_off(&mut positions, vertices.len()),
-                    normals: split_off(&mut normals, vertices.len()),
-                    hits: Vec::new(),
-                    first: vertices.start as u32,
-                    written: 0,
-                },
-                triangles: split_off(&mut triangles, plan.of_slice(k, 1).len()),
-            }
-        })
-        .collect();
-    let hits: Vec<Vec<Hit>> = tasks
-        .into_par_iter()
-        .map(|task| fill_slice(task, rows, plan, interpolator))
-        .collect();
-    hits.concat()
+    let mut task = |k: usize| {
+        let vertices = plan.of_slice(k, 0);
+        SliceTask {
+            k,
+            sink: VertexSink {
+                positions: split_off(&mut positions, vertices.len()),
+                normals: split_off(&mut normals, vertices.len()),
+                hits: Vec::new(),
+                first: vertices.start as u32,
+                written: 0,
+            },
+            triangles: split_off(&mut triangles, plan.of_slice(k, 1).len()),
+        }
+    };
+    let tasks: Vec<SliceTask<'_>> = (0..plan.before.len() - 1).map(&mut task).collect();
+    tasks.into_par_iter().map(fill).collect()
 }
 
 fn split_off<'a, T>(rest: &mut &'a mut [T], n: usize) -> &'a mut [T] {
@@ -228,21 +182,21 @@ fn split_off<'a, T>(rest: &mut &'a mut [T], n: usize) -> &'a mut [T] {
     front
 }
 
-fn fill_slice<T: Voxel>(task: SliceTask<'_>, rows: &Rows, plan: &Plan, interpolator: &Interpolator<'_, T>) -> Vec<Hit> {
+fn fill_slice<T: Voxel>(
+    task: SliceTask<'_>,
+    slices: Slices<'_, T>,
+    rows: &InsideRows,
+    plan: &Plan,
+    level: &Level,
+) -> Vec<Hit> {
     let [_, ny, nz] = rows.dims;
-    let SliceTask { k, mut sink, mut triangles } = task;
-    for axes in [&[0, 1][..], &[2]] {
-        for j in 0..ny {
-            interpolate(interpolator, rows.round(j, k), [j, k], axes, &mut sink);
-        }
+    let SliceTask { k, mut sink, triangles } = task;
+    let plan = |k: usize| &plan.rows[ny * k..][..ny];
+    for axis in 0..3 {
+        interpolate(slices, rows, plan(k), level, [axis, k], &mut sink);
     }
     if k + 1 < nz {
-        let first = |j: usize, k: usize| plan.rows[j + ny * k];
-        for j in 0..ny - 1 {
-            let firsts = [first(j, k), first(j + 1, k), first(j, k + 1), first(j + 1, k + 1)];
-            let written = cells::connect(rows.round(j, k), firsts, triangles);
-            split_off(&mut triangles, written);
-        }
+        cells::connect(rows, k, [plan(k), plan(k + 1)], triangles);
     }
     sink.hits
 }

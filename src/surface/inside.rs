@@ -7,34 +7,36 @@
 //! compared as they are.
 
 use rayon::prelude::*;
-use rayon::slice::ChunksMut;
 
+use super::slices::Slices;
 use crate::volume::Voxel;
 
-/// Rows of bits, bit `i % 64` of word `i / 64` for voxel `i` of a row; bits beyond a row's end are 0.
+/// The bits of a lattice of voxels: bit `i % 64` of word `i / 64` for voxel `i` of a row; bits beyond a row's end are 0.
 pub(super) struct InsideRows {
     words: Vec<u64>,
-    words_a_row: usize,
+    /// Voxels along each axis.
+    pub dims: [usize; 3],
 }
 
 impl InsideRows {
-    /// `rows` rows of `width` voxels, none inside.
-    pub fn new(width: usize, rows: usize) -> Self {
-        let words_a_row = width.div_ceil(64);
-        Self {
-            words: vec![0; words_a_row * rows],
-            words_a_row,
-        }
+    /// The bits of all slices of a lattice.
+    pub fn of<T: Voxel>(slices: Slices<'_, T>, smallest_inside: T) -> Self {
+        let dims @ [nx, ny, nz] = slices.dims;
+        let words_a_slice = nx.div_ceil(64) * ny;
+        let mut words = vec![0; words_a_slice * nz];
+        words
+            .par_chunks_mut(words_a_slice)
+            .enumerate()
+            .for_each(|(k, words)| classify(slices.slice(k), nx, smallest_inside, words));
+        Self { words, dims }
     }
 
-    /// The words of row `n`.
-    pub fn row(&self, n: usize) -> &[u64] {
-        &self.words[n * self.words_a_row..][..self.words_a_row]
-    }
-
-    /// The rows for writing, in runs of `rows` of them.
-    pub fn runs_mut(&mut self, rows: usize) -> ChunksMut<'_, u64> {
-        self.words.par_chunks_mut(self.words_a_row * rows)
+    /// The words of row `j` of slice `k`.
+    #[inline(always)]
+    pub fn row(&self, j: usize, k: usize) -> &[u64] {
+        let [nx, ny, _] = self.dims;
+        let words = nx.div_ceil(64);
+        &self.words[words * (j + ny * k)..][..words]
     }
 }
 
@@ -43,37 +45,25 @@ impl InsideRows {
     "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2"
 ))]
-pub(super) fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, words: &mut [u64]) {
+fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, words: &mut [u64]) {
     let rows = voxels.chunks_exact(width).zip(words.chunks_exact_mut(width.div_ceil(64)));
     for (row, words) in rows {
-        for (chunk, word) in row.chunks(64).zip(words) {
-            let mut inside = [0_u8; 64];
-            match <&[T; 64]>::try_from(chunk) {
-                // A loop of known length, which compilers turn into wide comparisons.
-                Ok(whole) => {
-                    for (bit, v) in inside.iter_mut().zip(whole) {
-                        *bit = u8::from(*v >= smallest_inside);
-                    }
-                }
-                Err(_) => {
-                    for (bit, v) in inside.iter_mut().zip(chunk) {
-                        *bit = u8::from(*v >= smallest_inside);
-                    }
-                }
-            }
-            *word = packed(&inside);
+        let (whole, rest) = row.as_chunks::<64>();
+        for (chunk, word) in whole.iter().zip(words.iter_mut()) {
+            *word = word_of(chunk, smallest_inside);
+        }
+        if let Some(last) = words.get_mut(whole.len()) {
+            *last = word_of(rest, smallest_inside);
         }
     }
 }
 
-/// Bit `n` of the result is byte `n`, which is 0 or 1.
+/// The bits of at most 64 voxels. For 64 of them compilers turn this into wide comparisons.
 #[inline(always)]
-fn packed(bytes: &[u8; 64]) -> u64 {
-    // The product carries byte n of eight, at bit 8n, to bit 56 + n; the other sums stay below and do not carry.
-    const GATHER: u64 = 0x0102_0408_1020_4080;
+fn word_of<T: Voxel>(voxels: &[T], smallest_inside: T) -> u64 {
     let mut word = 0;
-    for (n, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
-        word |= (u64::from_le_bytes(*eight).wrapping_mul(GATHER) >> 56) << (8 * n);
+    for (n, v) in voxels.iter().enumerate() {
+        word |= u64::from(*v >= smallest_inside) << n;
     }
     word
 }
@@ -86,10 +76,14 @@ mod tests {
     fn bits_are_comparisons() {
         for width in [1, 7, 63, 64, 65, 130] {
             let voxels: Vec<f32> = (0..3 * width).map(|n| ((n * 37 + n * n) % 11) as f32).collect();
-            let mut rows = InsideRows::new(width, 3);
-            rows.runs_mut(3).for_each(|words| classify(&voxels, width, 5.0, words));
+            let slices = Slices {
+                voxels: &voxels,
+                first_slice: 0,
+                dims: [width, 3, 1],
+            };
+            let rows = InsideRows::of(slices, 5.0);
             for (n, row) in voxels.chunks(width).enumerate() {
-                let bit = |i: usize| rows.row(n).get(i / 64).is_some_and(|w| w >> (i % 64) & 1 == 1);
+                let bit = |i: usize| rows.row(n, 0).get(i / 64).is_some_and(|w| w >> (i % 64) & 1 == 1);
                 for i in 0..width.div_ceil(64) * 64 {
                     assert_eq!(bit(i), row.get(i).is_some_and(|v| *v >= 5.0), "width {width}, row {n}, voxel {i}");
                 }

@@ -5,6 +5,7 @@ mod cells;
 mod extract;
 mod inside;
 mod mesh;
+mod slices;
 mod vertices;
 mod weld;
 

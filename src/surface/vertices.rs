@@ -6,53 +6,15 @@
 //! differences are one-sided; both as VTK does. On oblique lattices normals are turned as gradients are, by the inverse
 //! transpose.
 //! *Practice.* Everything is computed in `f64` in index space and rounded once there, as vtkMarchingCubes does, so that the
-//! positions are its own bit for bit.
+//! positions are its own bit for bit. What an edge needs of the voxels is gathered first, for many edges; the arithmetic then
+//! runs over all of them in wide registers. No operation is fused or reordered, so every version gives the same bits.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3};
 
-use super::cells::{RowsRound, SetBits};
+use super::cells::{RowPlan, RowsRound, SetBits};
+use super::inside::InsideRows;
+use super::slices::{HERE, NEIGHBOURS, Slices, Stencil};
 use crate::volume::Voxel;
-
-/// Consecutive slices of a lattice of voxels, x fastest.
-#[derive(Clone, Copy)]
-pub(super) struct Slices<'a, T> {
-    /// The voxels of the slices from `first_slice` on.
-    pub voxels: &'a [T],
-    pub first_slice: usize,
-    /// Voxels along each axis of the whole lattice.
-    pub dims: [usize; 3],
-}
-
-impl<'a, T: Voxel> Slices<'a, T> {
-    fn stride(&self) -> [usize; 3] {
-        [1, self.dims[0], self.dims[0] * self.dims[1]]
-    }
-
-    /// The rows of slice `k`.
-    pub fn slice(&self, k: usize) -> &'a [T] {
-        let plane = self.dims[0] * self.dims[1];
-        &self.voxels[(k - self.first_slice) * plane..][..plane]
-    }
-
-    #[inline(always)]
-    fn value(&self, at: usize) -> f64 {
-        self.voxels[at].to_f64()
-    }
-
-    /// The difference quotient along each axis at the voxel `index`, which lies at `at` of `voxels`, in values a voxel.
-    #[inline(always)]
-    fn gradient(&self, index: [usize; 3], at: usize) -> DVec3 {
-        let stride = self.stride();
-        let mut gradient = [0.0; 3];
-        for axis in 0..3 {
-            let lower = usize::from(index[axis] > 0) * stride[axis];
-            let upper = usize::from(index[axis] + 1 < self.dims[axis]) * stride[axis];
-            let scale = if lower > 0 && upper > 0 { 0.5 } else { 1.0 };
-            gradient[axis] = scale * (self.value(at + upper) - self.value(at - lower));
-        }
-        DVec3::from_array(gradient)
-    }
-}
 
 /// A vertex that falls on a voxel when it is rounded, and so together with those of the voxel's other edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,103 +24,214 @@ pub(super) struct Hit {
     pub vertex: u32,
 }
 
-/// Where vertices are written to: places for all of a layer's, and what to do with hits.
+/// Where a slice's vertices are written to.
 pub(super) struct VertexSink<'a> {
     pub positions: &'a mut [[f32; 3]],
     pub normals: &'a mut [[f32; 3]],
     pub hits: Vec<Hit>,
-    /// The number of the first of the layer's vertices.
+    /// The number of the first of the slice's vertices.
     pub first: u32,
     /// How many are written.
     pub written: usize,
 }
 
-/// Puts vertices on edges.
+/// A surface in the world: its value, and where the lattice lies.
 #[derive(Clone, Copy)]
-pub(super) struct Interpolator<'a, T> {
-    slices: Slices<'a, T>,
+pub(super) struct Level {
     iso: f64,
     world_from_index: DAffine3,
     /// Turns a gradient, in values a voxel, to the direction of falling values in the world.
     normal_from_gradient: DMat3,
 }
 
-impl<'a, T: Voxel> Interpolator<'a, T> {
-    /// Vertices at `iso` in a lattice whose voxels lie in the world as `world_from_index`, which can be inverted, says.
-    pub fn new(slices: Slices<'a, T>, iso: f64, world_from_index: DAffine3) -> Self {
+impl Level {
+    /// The surface at `iso` in a lattice whose voxels lie in the world as `world_from_index`, which can be inverted, says.
+    pub fn new(iso: f64, world_from_index: DAffine3) -> Self {
         Self {
-            slices,
             iso,
             world_from_index,
             normal_from_gradient: -world_from_index.matrix3.inverse().transpose(),
         }
     }
+}
 
-    /// Adds the vertex on the edge from voxel `index` along `axis`.
-    #[inline(always)]
-    fn push(&self, sink: &mut VertexSink<'_>, index: [usize; 3], axis: usize) {
-        let slices = &self.slices;
-        let stride = slices.stride()[axis];
-        let [i, j, k] = index;
-        let at = i + slices.dims[0] * (j + slices.dims[1] * (k - slices.first_slice));
-        let (lower, upper) = (slices.value(at), slices.value(at + stride));
-        let t = (self.iso - lower) / (upper - lower);
+/// Edges whose vertices are computed together.
+const LANES: usize = 64;
 
-        let mut position = index.map(|n| n as f32);
-        let ends = [position[axis], (index[axis] + 1) as f32];
-        position[axis] = (index[axis] as f64 + t) as f32;
-        if let Some(end) = ends.iter().position(|end| *end == position[axis]) {
-            let voxel = slices.first_slice * slices.stride()[2] + at + end * stride;
-            sink.hits.push(Hit {
-                voxel: voxel as u64,
-                vertex: sink.first + sink.written as u32,
-            });
+/// A number for each edge of a batch.
+type Lanes<N> = [N; LANES];
+
+/// Edges of one slice along one axis, and what their vertices follow from.
+struct Batch<T> {
+    axis: usize,
+    slice: usize,
+    len: usize,
+    /// The voxels that the edges start from, by index in x and y.
+    index: [Lanes<f64>; 2],
+    /// The voxels at both ends and their neighbours, as [`Stencil::values`] has them.
+    values: [[Lanes<T>; 7]; 2],
+    /// What differences in x are multiplied by at both ends.
+    x_scale: [Lanes<f64>; 2],
+    /// The same for y and z, where it is one for all edges.
+    yz_scale: [[f64; 2]; 2],
+}
+
+/// The vertices of a batch: where they are in the lattice along their edges, and in the world.
+struct Vertices {
+    along: Lanes<f32>,
+    positions: [Lanes<f32>; 3],
+    normals: [Lanes<f32>; 3],
+}
+
+impl<T: Voxel> Batch<T> {
+    fn new(axis: usize, slice: usize) -> Self {
+        Self {
+            axis,
+            slice,
+            len: 0,
+            index: [[0.0; LANES]; 2],
+            values: [[[T::zeroed(); LANES]; 7]; 2],
+            x_scale: [[0.0; LANES]; 2],
+            yz_scale: [[0.0; 2]; 2],
         }
-        let mut next = index;
-        next[axis] += 1;
-        let gradient = slices.gradient(index, at);
-        let gradient = gradient + t * (slices.gradient(next, at + stride) - gradient);
-        sink.positions[sink.written] = self.world(position);
-        sink.normals[sink.written] = unit(self.normal_from_gradient * gradient);
-        sink.written += 1;
     }
 
-    /// Terms are added in the order in which VTK adds them.
+    /// Adds the edge from voxel `i` of row `j`, which is `ends[0]`.
     #[inline(always)]
-    fn world(&self, index: [f32; 3]) -> [f32; 3] {
-        let m = &self.world_from_index.matrix3;
-        let [x, y, z] = index.map(f64::from);
-        (m.x_axis * x + m.y_axis * y + m.z_axis * z + self.world_from_index.translation)
-            .as_vec3()
-            .to_array()
+    fn push(&mut self, ends: &[Stencil<'_, T>; 2], [i, j]: [usize; 2]) {
+        let n = self.len;
+        self.index[0][n] = i as f64;
+        self.index[1][n] = j as f64;
+        let at = [i, i + usize::from(self.axis == 0)];
+        for end in 0..2 {
+            let (values, x_scale) = ends[end].values(at[end]);
+            for v in 0..7 {
+                self.values[end][v][n] = values[v];
+            }
+            self.x_scale[end][n] = x_scale;
+        }
+        self.len += 1;
+    }
+
+    /// The value at lane `n` of an end.
+    #[inline(always)]
+    fn value(&self, end: usize, n: usize) -> f64 {
+        self.values[end][HERE][n].to_f64()
+    }
+
+    /// The gradient at lane `n` of an end along axis `a`, in values a voxel.
+    #[inline(always)]
+    fn gradient(&self, end: usize, a: usize, n: usize) -> f64 {
+        let [lower, upper] = NEIGHBOURS[a];
+        let values = &self.values[end];
+        let scale = if a == 0 { self.x_scale[end][n] } else { self.yz_scale[end][a - 1] };
+        scale * (values[upper][n].to_f64() - values[lower][n].to_f64())
+    }
+
+    /// The vertices; lanes beyond `len` hold nothing of use.
+    #[inline(always)]
+    fn vertices(&self, level: &Level, out: &mut Vertices) {
+        let world = level.world_from_index.matrix3.to_cols_array_2d();
+        let origin = level.world_from_index.translation.to_array();
+        let turn = level.normal_from_gradient.to_cols_array_2d();
+        let mut direction = [0.0; 3];
+        direction[self.axis] = 1.0;
+        let k = self.slice as f64;
+        for n in 0..LANES {
+            let (lower, upper) = (self.value(0, n), self.value(1, n));
+            let t = (level.iso - lower) / (upper - lower);
+            let x = (self.index[0][n] + t * direction[0]) as f32;
+            let y = (self.index[1][n] + t * direction[1]) as f32;
+            let z = (k + t * direction[2]) as f32;
+            out.along[n] = if self.axis == 0 { x } else if self.axis == 1 { y } else { z };
+            let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+            // Terms are added in the order in which VTK adds them.
+            for a in 0..3 {
+                out.positions[a][n] = (world[0][a] * x + world[1][a] * y + world[2][a] * z + origin[a]) as f32;
+            }
+            let mut gradient = [0.0; 3];
+            for a in 0..3 {
+                let lower = self.gradient(0, a, n);
+                gradient[a] = lower + t * (self.gradient(1, a, n) - lower);
+            }
+            let [gx, gy, gz] = gradient;
+            let nx = turn[0][0] * gx + turn[1][0] * gy + turn[2][0] * gz;
+            let ny = turn[0][1] * gx + turn[1][1] * gy + turn[2][1] * gz;
+            let nz = turn[0][2] * gx + turn[1][2] * gy + turn[2][2] * gz;
+            // Without a length, or one that is not finite, there is no direction.
+            let length = (nx * nx + ny * ny + nz * nz).sqrt();
+            let has_length = length > 0.0 && length < f64::INFINITY;
+            let shrink = 1.0 / length;
+            out.normals[0][n] = if has_length { nx * shrink } else { 0.0 } as f32;
+            out.normals[1][n] = if has_length { ny * shrink } else { 0.0 } as f32;
+            out.normals[2][n] = if has_length { nz * shrink } else { 0.0 } as f32;
+        }
+    }
+
+    /// Writes the vertices, notes which of them fall on voxels of a lattice of `dims`, and empties the batch.
+    #[inline(always)]
+    fn flush(&mut self, level: &Level, dims: [usize; 3], vertices: &mut Vertices, sink: &mut VertexSink<'_>) {
+        self.vertices(level, vertices);
+        let places = sink.written..sink.written + self.len;
+        let positions = sink.positions[places.clone()].iter_mut();
+        for (n, (position, normal)) in positions.zip(&mut sink.normals[places]).enumerate() {
+            *position = [vertices.positions[0][n], vertices.positions[1][n], vertices.positions[2][n]];
+            *normal = [vertices.normals[0][n], vertices.normals[1][n], vertices.normals[2][n]];
+        }
+        for n in 0..self.len {
+            let lower = if self.axis == 2 { self.slice as f32 } else { self.index[self.axis][n] as f32 };
+            let ends = [vertices.along[n] == lower, vertices.along[n] == lower + 1.0];
+            if ends[0] || ends[1] {
+                let mut voxel = [self.index[0][n] as u64, self.index[1][n] as u64, self.slice as u64];
+                voxel[self.axis] += u64::from(!ends[0]);
+                let [x, y, z] = voxel;
+                sink.hits.push(Hit {
+                    voxel: x + dims[0] as u64 * (y + dims[1] as u64 * z),
+                    vertex: sink.first + (sink.written + n) as u32,
+                });
+            }
+        }
+        sink.written += self.len;
+        self.len = 0;
     }
 }
 
-/// `v` at length 1; zero where it has none, or is not finite.
-#[inline(always)]
-fn unit(v: DVec3) -> [f32; 3] {
-    let length = v.length();
-    if length > 0.0 && length < f64::INFINITY {
-        (v / length).as_vec3().to_array()
-    } else {
-        [0.0; 3]
-    }
-}
-
-/// Adds the vertices on the edges along `axes` that start in voxel row `j` of slice `k`, which `round` begins with.
-#[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
+/// Adds the vertices on the edges along `axis` that start in slice `k`, whose rows `plan` is for.
+#[multiversion::multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl+popcnt+bmi1+bmi2",
+    "x86_64+avx2+popcnt+bmi1+bmi2"
+))]
 pub(super) fn interpolate<T: Voxel>(
-    interpolator: &Interpolator<'_, T>,
-    round: RowsRound<'_>,
-    [j, k]: [usize; 2],
-    axes: &[usize],
+    slices: Slices<'_, T>,
+    rows: &InsideRows,
+    plan: &[RowPlan],
+    level: &Level,
+    [axis, k]: [usize; 2],
     sink: &mut VertexSink<'_>,
 ) {
-    for &axis in axes {
-        for w in 0..round.rows[0].len() {
-            for i in SetBits(round.crossed(w)[axis]) {
-                interpolator.push(sink, [w * 64 + i as usize, j, k], axis);
+    let dims = slices.dims;
+    let mut batch = Batch::new(axis, k);
+    let mut vertices = Vertices {
+        along: [0.0; LANES],
+        positions: [[0.0; LANES]; 3],
+        normals: [[0.0; LANES]; 3],
+    };
+    for j in (0..dims[1]).filter(|j| plan[*j].crossed[axis]) {
+        let round = RowsRound::new(rows, j, k);
+        let ends = slices.ends(axis, j, k);
+        let yz_scale = [ends[0].scale, ends[1].scale];
+        if batch.yz_scale != yz_scale {
+            batch.flush(level, dims, &mut vertices, sink);
+            batch.yz_scale = yz_scale;
+        }
+        for w in 0..round.words() {
+            for i in SetBits(round.crossed(w, axis)) {
+                batch.push(&ends, [w * 64 + i as usize, j]);
+                if batch.len == LANES {
+                    batch.flush(level, dims, &mut vertices, sink);
+                }
             }
         }
     }
+    batch.flush(level, dims, &mut vertices, sink);
 }

@@ -11,53 +11,87 @@ use rayon::prelude::*;
 use super::mesh::Mesh;
 use super::vertices::Hit;
 
-/// Merges the vertices of `mesh` that `hits` says are on the same voxel.
-pub(super) fn weld(mesh: &mut Mesh, mut hits: Vec<Hit>) {
-    hits.par_sort_unstable();
-    let merged: Vec<(u32, u32)> = hits
-        .chunk_by(|a, b| a.voxel == b.voxel)
-        .flat_map(|same| same[1..].iter().map(|hit| (hit.vertex, same[0].vertex)))
+/// A vertex that goes, and the one in its place.
+#[derive(Clone, Copy)]
+struct Merged {
+    gone: u32,
+    into: u32,
+}
+
+/// Merges the vertices of `mesh` that `hits` says are on the same voxel. There is a list for each slice, of `voxels_a_slice`,
+/// whose hits are in that slice or the next.
+pub(super) fn weld(mesh: &mut Mesh, hits: &[Vec<Hit>], voxels_a_slice: usize) {
+    let merged: Vec<Merged> = (0..hits.len())
+        .into_par_iter()
+        .flat_map_iter(|k| merged_in_slice(hits, k, voxels_a_slice as u64))
         .collect();
-    drop(hits);
     if merged.is_empty() {
         return;
     }
-    let number = new_numbers(mesh.positions.len(), &merged);
-    let stays = stays(mesh.positions.len(), &merged);
-    keep(&mut mesh.positions, &stays);
-    keep(&mut mesh.normals, &stays);
+    let mut gone = vec![false; mesh.positions.len()];
+    for vertex in &merged {
+        gone[vertex.gone as usize] = true;
+    }
+    let number = new_numbers(&gone, &merged);
+    retain(&mut mesh.positions, |n, _| !gone[n]);
+    retain(&mut mesh.normals, |n, _| !gone[n]);
     mesh.triangles.par_iter_mut().for_each(|t| *t = t.map(|v| number[v as usize]));
-    mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+    retain(&mut mesh.triangles, |_, [a, b, c]| a != b && b != c && c != a);
 }
 
-/// Which vertices are not merged into another.
-fn stays(vertices: usize, merged: &[(u32, u32)]) -> Vec<bool> {
-    let mut stays = vec![true; vertices];
-    for (gone, _) in merged {
-        stays[*gone as usize] = false;
-    }
-    stays
+/// The vertices that are merged at the voxels of slice `k`.
+fn merged_in_slice(hits: &[Vec<Hit>], k: usize, voxels_a_slice: u64) -> Vec<Merged> {
+    let voxels = k as u64 * voxels_a_slice..(k as u64 + 1) * voxels_a_slice;
+    let lists = hits[k.saturating_sub(1)..=k].iter().flatten();
+    let mut here: Vec<Hit> = lists.filter(|hit| voxels.contains(&hit.voxel)).copied().collect();
+    here.sort_unstable();
+    here.chunk_by(|a, b| a.voxel == b.voxel)
+        .flat_map(|same| {
+            same[1..].iter().map(|hit| Merged {
+                gone: hit.vertex,
+                into: same[0].vertex,
+            })
+        })
+        .collect()
 }
 
-/// The number that each vertex has when those that are merged have closed up.
-fn new_numbers(vertices: usize, merged: &[(u32, u32)]) -> Vec<u32> {
-    let mut numbers: Vec<u32> = vec![0; vertices];
-    for (gone, _) in merged {
-        numbers[*gone as usize] = 1;
-    }
-    let mut gone_before = 0;
-    for (n, number) in numbers.iter_mut().enumerate() {
-        let gone = *number;
-        *number = n as u32 - gone_before;
-        gone_before += gone;
-    }
-    for (gone, into) in merged {
-        numbers[*gone as usize] = numbers[*into as usize];
+/// The number that each vertex has when those that go have made room.
+fn new_numbers(gone: &[bool], merged: &[Merged]) -> Vec<u32> {
+    let mut stayed = 0;
+    let mut numbers: Vec<u32> = Vec::with_capacity(gone.len());
+    numbers.extend(gone.iter().map(|gone| {
+        let number = stayed;
+        stayed += u32::from(!gone);
+        number
+    }));
+    for vertex in merged {
+        numbers[vertex.gone as usize] = numbers[vertex.into as usize];
     }
     numbers
 }
 
-fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
-    let mut stays = stays.iter();
-    values.retain(|_| stays.next().is_some_and(|s| *s));
+/// Values that are looked at together.
+const CHUNK: usize = 1 << 14;
+
+/// `Vec::retain` by place and value: chunks are closed up in parallel, and then moved together.
+fn retain<T: Copy + Send>(values: &mut Vec<T>, stays: impl Fn(usize, &T) -> bool + Sync) {
+    let kept: Vec<usize> = values
+        .par_chunks_mut(CHUNK)
+        .enumerate()
+        .map(|(c, chunk)| {
+            let mut kept = 0;
+            for n in 0..chunk.len() {
+                let value = chunk[n];
+                chunk[kept] = value;
+                kept += usize::from(stays(c * CHUNK + n, &value));
+            }
+            kept
+        })
+        .collect();
+    let mut end = 0;
+    for (c, kept) in kept.into_iter().enumerate() {
+        values.copy_within(c * CHUNK..c * CHUNK + kept, end);
+        end += kept;
+    }
+    values.truncate(end);
 }

@@ -1,0 +1,226 @@
+//! Marching cubes against VTK's two ways to a surface, on the same voxels, normals included.
+
+use std::path::Path;
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use vcsg::output::write_whole;
+use vcsg::surface::marching_cubes;
+use vcsg::volume::{Grid, Voxels};
+
+use crate::Outcome;
+use crate::bar::{Bar, Limit};
+use crate::runs::{Ratios, Summary, timed};
+use crate::vtk::Peer;
+
+/// How many times as fast as each method of the peer ours must be.
+const BARS: [(&str, f64); 2] = [("flying-edges", 2.0), ("marching-cubes", 8.0)];
+
+/// How many times as fast two threads must be as one.
+const TWO_THREADS: f64 = 1.7;
+
+/// The value whose surface is extracted, as a fraction of a type's range of values.
+const ISO: f64 = 0.5;
+
+/// Voxels of one field.
+struct Case {
+    field: &'static str,
+    side: usize,
+    voxels: &'static str,
+}
+
+const CASES: [Case; 8] = {
+    const fn case(field: &'static str, side: usize, voxels: &'static str) -> Case {
+        Case { field, side, voxels }
+    }
+    [
+        case("ball", 256, "f32"),
+        case("ball", 256, "u8"),
+        case("gyroid", 256, "f32"),
+        case("gyroid", 256, "u8"),
+        case("ball", 512, "f32"),
+        case("ball", 512, "u8"),
+        case("gyroid", 512, "f32"),
+        case("gyroid", 512, "u8"),
+    ]
+};
+
+/// What the script says about its surface.
+#[derive(Deserialize)]
+struct PeerSurface {
+    triangles: usize,
+    points: usize,
+}
+
+/// Our times next to one method's.
+#[derive(Serialize)]
+struct Against {
+    method: &'static str,
+    triangles: usize,
+    points: usize,
+    theirs: Summary,
+    faster: Ratios,
+}
+
+/// One comparison, done.
+#[derive(Serialize)]
+pub struct Comparison {
+    what: String,
+    triangles: usize,
+    vertices: usize,
+    ours: Summary,
+    one_thread: Summary,
+    against: Vec<Against>,
+    /// Two threads against one, and ours against each method.
+    pub bars: Vec<Bar>,
+}
+
+/// Compares on all volumes; each comparison is printed when it is done.
+pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
+    println!("\nSurfaces with normals; milliseconds, and how many times as fast as one thread, vtkFlyingEdges3D, vtkMarchingCubes");
+    println!(
+        "{:<16} {:>10} {:>8} {:>8} {:>8} | {:>8} {:>7} | {:>8} {:>7} {:>6} | {:>8} {:>7} {:>6}",
+        "", "triangles", "median", "min", "CPU", "1 thread", "times", "FE med", "times", "CPU", "MC med", "times", "CPU"
+    );
+    let mut done = Vec::new();
+    for case in &CASES {
+        let comparison = case.compare(repetitions)?;
+        comparison.print();
+        done.push(comparison);
+    }
+    Ok(done)
+}
+
+impl Case {
+    fn name(&self) -> String {
+        format!("{} {}³ {}", self.field, self.side, self.voxels)
+    }
+
+    /// The field at a place of the cube [−1, 1]³, from 0 to 1.
+    fn value(&self, p: DVec3) -> f64 {
+        let value = match self.field {
+            "ball" => 0.5 + (0.7 - p.length()),
+            _ => {
+                let q = p * (8.0 * std::f64::consts::PI);
+                0.5 + (q.x.sin() * q.y.cos() + q.y.sin() * q.z.cos() + q.z.sin() * q.x.cos()) / 3.0
+            }
+        };
+        value.clamp(0.0, 1.0)
+    }
+
+    fn grid(&self) -> Outcome<Grid> {
+        let side = self.side;
+        let at = |n: usize| 2.0 * n as f64 / (side - 1) as f64 - 1.0;
+        let voxel = |n: usize| self.value(DVec3::new(at(n % side), at(n / side % side), at(n / (side * side))));
+        let all = (0..side * side * side).into_par_iter();
+        let voxels = match self.voxels {
+            "u8" => Voxels::U8(all.map(|n| (255.0 * voxel(n)).round() as u8).collect()),
+            _ => Voxels::F32(all.map(|n| voxel(n) as f32).collect()),
+        };
+        Ok(Grid::new([side; 3], DAffine3::IDENTITY, voxels)?)
+    }
+
+    /// A whole number for bytes, so that many voxels have the isovalue itself.
+    fn iso(&self) -> f64 {
+        if self.voxels == "u8" { (255.0 * ISO).round() } else { ISO }
+    }
+
+    fn compare(&self, repetitions: usize) -> Outcome<Comparison> {
+        let grid = self.grid()?;
+        let path = format!("target/bench/{}-{}.{}", self.field, self.side, self.voxels);
+        write_whole(Path::new(&path), |out| std::io::Write::write_all(out, bytes(grid.voxels())))?;
+        let mut peers = Vec::new();
+        for (method, _) in BARS {
+            peers.push(self.peer(&path, method)?);
+        }
+        let single = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let extract = || marching_cubes(&grid, self.iso());
+        let mesh = extract()?;
+        let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+        drop(mesh);
+        let (mut ours, mut one, mut theirs) = (Vec::new(), Vec::new(), vec![Vec::new(); peers.len()]);
+        for _ in 0..repetitions {
+            ours.push(timed(extract).1);
+            one.push(timed(|| single.install(extract)).1);
+            for ((peer, _), runs) in peers.iter_mut().zip(&mut theirs) {
+                runs.push(peer.run()?);
+            }
+        }
+        let (ours, one_thread) = (Summary::of(ours), Summary::of(one));
+        let against: Vec<Against> = BARS
+            .iter()
+            .zip(peers)
+            .zip(theirs)
+            .map(|(((method, _), (_, surface)), runs)| {
+                let theirs = Summary::of(runs);
+                Against {
+                    method,
+                    triangles: surface.triangles,
+                    points: surface.points,
+                    faster: Ratios::of(&ours, &theirs),
+                    theirs,
+                }
+            })
+            .collect();
+        let bars = self.bars(&Ratios::of(&ours, &one_thread), &against);
+        Ok(Comparison {
+            what: self.name(),
+            triangles,
+            vertices,
+            ours,
+            one_thread,
+            against,
+            bars,
+        })
+    }
+
+    fn peer(&self, path: &str, method: &str) -> Outcome<(Peer, PeerSurface)> {
+        let arguments = [
+            ["--raw", path],
+            ["--side", &self.side.to_string()],
+            ["--iso", &self.iso().to_string()],
+            ["--method", method],
+            ["--threads", &rayon::current_num_threads().to_string()],
+        ];
+        Peer::start("tools/peers/vtk_surface.py", arguments.as_flattened())
+    }
+
+    fn bars(&self, threads: &Ratios, against: &[Against]) -> Vec<Bar> {
+        let bar = |what: &str, value: f64, limit: f64| Bar {
+            what: format!("times as fast as {what}: {}", self.name()),
+            value,
+            limit: Limit::AtLeast(limit),
+        };
+        let peers = against.iter().zip(BARS).map(|(a, (method, limit))| bar(method, a.faster.median, limit));
+        peers.chain([bar("one thread", threads.median, TWO_THREADS)]).collect()
+    }
+}
+
+fn bytes(voxels: &Voxels) -> &[u8] {
+    match voxels {
+        Voxels::U8(v) => v,
+        Voxels::F32(v) => bytemuck::cast_slice(v),
+        _ => &[],
+    }
+}
+
+impl Comparison {
+    fn print(&self) {
+        let (o, one) = (&self.ours, &self.one_thread);
+        print!(
+            "{:<16} {:>10} {:8.1} {:8.1} {:8.1} | {:8.1} {:7.2}",
+            self.what,
+            self.triangles,
+            o.median_s * 1e3,
+            o.min_s * 1e3,
+            o.cpu_min_s * 1e3,
+            one.median_s * 1e3,
+            one.median_s / o.median_s,
+        );
+        for a in &self.against {
+            print!(" | {:8.1} {:7.2} {:6.2}", a.theirs.median_s * 1e3, a.faster.median, a.faster.cpu);
+        }
+        println!();
+    }
+}
