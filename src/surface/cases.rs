@@ -194,12 +194,27 @@ impl Turn {
 }
 
 /// The lower and the upper corner of edge `e`.
-pub(super) const fn edge_corners(e: u8) -> [u8; 2] {
+const fn edge_corners(e: u8) -> [u8; 2] {
     let axis = e / 4;
     let [first, second] = other_axes(axis);
     let lower = (e & 1) << first | (e >> 1 & 1) << second;
     [lower, lower | 1 << axis]
 }
+
+/// The x, y and z edge at each corner.
+pub(super) const CORNER_EDGES: [[u8; 3]; 8] = {
+    let mut edges = [[0; 3]; 8];
+    let mut c = 0;
+    while c < 8 {
+        edges[c as usize] = [
+            edge_between(c, c ^ 1),
+            edge_between(c, c ^ 2),
+            edge_between(c, c ^ 4),
+        ];
+        c += 1;
+    }
+    edges
+};
 
 /// The edge between two neighbouring corners.
 const fn edge_between(a: u8, b: u8) -> u8 {

@@ -6,25 +6,33 @@
 //! *Changes from the paper.* No vertex is looked up in earlier rows or slices. Vertices are numbered in the order of the edges
 //! that are crossed, so an edge's vertex is its row's first one plus the number of crossed edges before it in the row: the
 //! set bits below it. All rows can then be worked on at once.
+//! *Practice.* A voxel of the isovalue itself takes the vertices of all its crossed edges together: it has a vertex of its own,
+//! and they have none. A triangle of which two corners became one is left out, as vtkMarchingCubes does.
 
-use super::cases::CASES;
+use super::cases::{CASES, CORNER_EDGES, Case};
 use super::inside::InsideRows;
 
-/// How many vertices there are on the x, y and z edges that start in a row of voxels, and triangles in the row of cells there.
+/// The kinds of vertices: on x, y and z edges, and on voxels.
+pub(super) const KINDS: usize = 4;
+
+/// The kind of vertices that lie on voxels; those below it are the edges' axes.
+pub(super) const ON_VOXELS: usize = 3;
+
+/// How many vertices of each kind start in a row of voxels, and triangles in the row of cells there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct RowCount {
-    pub edges: [u32; 3],
+    pub vertices: [u32; KINDS],
     pub triangles: u32,
 }
 
 /// Where a row's vertices are, and whether it has any work.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RowPlan {
-    /// The numbers of the vertices on the first crossed x, y and z edge that starts in the row.
-    pub first: [u32; 3],
-    /// Whether any x, y or z edge is crossed.
-    pub crossed: [bool; 3],
-    /// Whether any cell has triangles.
+    /// The number of the row's first vertex of each kind.
+    pub first: [u32; KINDS],
+    /// Whether there is any vertex of each kind.
+    pub any: [bool; KINDS],
+    /// Whether there is any triangle.
     pub triangles: bool,
 }
 
@@ -34,7 +42,9 @@ pub(super) struct RowPlan {
 /// that no edge towards them is crossed.
 #[derive(Clone, Copy)]
 pub(super) struct RowsRound<'a> {
-    rows: [&'a [u64]; 4],
+    inside: [&'a [u64]; 4],
+    /// Empty where the surface goes through no voxel.
+    on: [&'a [u64]; 4],
     /// Voxels in a row.
     width: usize,
 }
@@ -46,7 +56,8 @@ impl<'a> RowsRound<'a> {
         let [width, ny, nz] = rows.dims;
         let (up, above) = ((j + 1).min(ny - 1), (k + 1).min(nz - 1));
         Self {
-            rows: [rows.row(j, k), rows.row(up, k), rows.row(j, above), rows.row(up, above)],
+            inside: [rows.row(j, k), rows.row(up, k), rows.row(j, above), rows.row(up, above)],
+            on: [rows.on(j, k), rows.on(up, k), rows.on(j, above), rows.on(up, above)],
             width,
         }
     }
@@ -54,65 +65,104 @@ impl<'a> RowsRound<'a> {
     /// Words in a row.
     #[inline(always)]
     pub fn words(&self) -> usize {
-        self.rows[0].len()
+        self.inside[0].len()
     }
 
     /// The part of all rows in word `w`.
     #[inline(always)]
     fn word(&self, w: usize) -> CellWord {
-        let (mut here, mut next) = ([0; 4], [0; 4]);
-        for (n, row) in self.rows.iter().enumerate() {
-            here[n] = row[w];
-            next[n] = row[w] >> 1;
-            if w + 1 < row.len() {
-                next[n] |= row[w + 1] << 63;
-            }
-        }
         // The last voxel of a row starts neither a cell nor an x edge.
         let starts = self.width - 1 - (w * 64).min(self.width - 1);
-        let cells = if starts >= 64 { u64::MAX } else { (1 << starts) - 1 };
-        CellWord { here, next, cells }
+        CellWord {
+            inside: Corners::new(&self.inside, w),
+            on: Corners::new(&self.on, w),
+            cells: if starts >= 64 { u64::MAX } else { (1 << starts) - 1 },
+        }
     }
 
-    /// The crossed edges along `axis` that start in word `w` of the first row.
+    /// The vertices of `kind` in word `w` of the first row.
     #[inline(always)]
-    pub fn crossed(&self, w: usize, axis: usize) -> u64 {
-        match axis {
-            0 => self.word(w).crossed_x(0),
-            _ => self.rows[0][w] ^ self.rows[axis][w],
+    pub fn vertices(&self, w: usize, kind: usize) -> u64 {
+        let word = self.word(w);
+        match kind {
+            0 => word.own_x(0),
+            1 | 2 => word.own_across(0, kind),
+            _ => word.on.here[0],
         }
     }
 }
 
-/// 64 cells of a row: for each of four rows, whether the voxels at a cell's lower and upper x are inside.
-struct CellWord {
+/// One bit for the voxels at the lower and the upper x of 64 cells of a row, of each of four rows.
+struct Corners {
     here: [u64; 4],
     next: [u64; 4],
+}
+
+impl Corners {
+    #[inline(always)]
+    fn new(rows: &[&[u64]; 4], w: usize) -> Self {
+        let (mut here, mut next) = ([0; 4], [0; 4]);
+        for n in 0..4 {
+            if w < rows[n].len() {
+                here[n] = rows[n][w];
+                next[n] = here[n] >> 1;
+            }
+            if w + 1 < rows[n].len() {
+                next[n] |= rows[n][w + 1] << 63;
+            }
+        }
+        Self { here, next }
+    }
+
+    /// The cells with a corner that is set.
+    #[inline(always)]
+    fn any(&self) -> u64 {
+        let ([a, b, c, d], [e, f, g, h]) = (self.here, self.next);
+        a | b | c | d | e | f | g | h
+    }
+
+    /// The cells whose corners are all set.
+    #[inline(always)]
+    fn all(&self) -> u64 {
+        let ([a, b, c, d], [e, f, g, h]) = (self.here, self.next);
+        a & b & c & d & e & f & g & h
+    }
+
+    /// The eight corners of cell `i`.
+    #[inline(always)]
+    fn of_cell(&self, i: u32) -> usize {
+        let mut corners = 0;
+        for row in 0..4 {
+            corners |= (self.here[row] >> i & 1) << (2 * row) | (self.next[row] >> i & 1) << (2 * row + 1);
+        }
+        corners as usize
+    }
+}
+
+/// 64 cells of a row.
+struct CellWord {
+    inside: Corners,
+    on: Corners,
     cells: u64,
 }
 
 impl CellWord {
+    /// The x edges of a row with a vertex of their own.
     #[inline(always)]
-    fn crossed_x(&self, row: usize) -> u64 {
-        (self.here[row] ^ self.next[row]) & self.cells
+    fn own_x(&self, row: usize) -> u64 {
+        (self.inside.here[row] ^ self.inside.next[row]) & self.cells & !(self.on.here[row] | self.on.next[row])
+    }
+
+    /// The edges from one row to another with a vertex of their own.
+    #[inline(always)]
+    fn own_across(&self, from: usize, to: usize) -> u64 {
+        (self.inside.here[from] ^ self.inside.here[to]) & !(self.on.here[from] | self.on.here[to])
     }
 
     /// The cells with corners both inside and outside.
     #[inline(always)]
     fn active(&self) -> u64 {
-        let [a, b, c, d] = self.here;
-        let [e, f, g, h] = self.next;
-        (a | b | c | d | e | f | g | h) & !(a & b & c & d & e & f & g & h) & self.cells
-    }
-
-    /// The case of cell `i`.
-    #[inline(always)]
-    fn case(&self, i: u32) -> usize {
-        let mut case = 0;
-        for row in 0..4 {
-            case |= (self.here[row] >> i & 1) << (2 * row) | (self.next[row] >> i & 1) << (2 * row + 1);
-        }
-        case as usize
+        self.inside.any() & !self.inside.all() & self.cells
     }
 }
 
@@ -136,19 +186,63 @@ pub(super) fn count(rows: &InsideRows, k: usize, counts: &mut [RowCount]) {
     let [_, ny, nz] = rows.dims;
     for (j, count) in counts.iter_mut().enumerate() {
         let round = RowsRound::new(rows, j, k);
+        let has_cells = j + 1 < ny && k + 1 < nz;
         *count = RowCount::default();
         for w in 0..round.words() {
-            for axis in 0..3 {
-                count.edges[axis] += round.crossed(w, axis).count_ones();
-            }
-            if j + 1 < ny && k + 1 < nz {
-                let word = round.word(w);
-                for i in SetBits(word.active()) {
-                    count.triangles += u32::from(CASES[word.case(i)].count);
-                }
+            let word = round.word(w);
+            count.vertices[0] += word.own_x(0).count_ones();
+            count.vertices[1] += word.own_across(0, 1).count_ones();
+            count.vertices[2] += word.own_across(0, 2).count_ones();
+            count.vertices[ON_VOXELS] += word.on.here[0].count_ones();
+            if has_cells {
+                count.triangles += triangles(&word);
             }
         }
     }
+}
+
+/// How many triangles the cells of a word make.
+#[inline(always)]
+fn triangles(word: &CellWord) -> u32 {
+    let mut count = 0;
+    let active = word.active();
+    let through = word.on.any();
+    for i in SetBits(active & !through) {
+        count += u32::from(CASES[word.inside.of_cell(i)].count);
+    }
+    for i in SetBits(active & through) {
+        count += triangles_through(&CASES[word.inside.of_cell(i)], word.on.of_cell(i));
+    }
+    count
+}
+
+/// How many triangles a case makes where the surface goes through the corners `on`.
+#[inline(always)]
+fn triangles_through(case: &Case, on: usize) -> u32 {
+    let mut vertices = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+    for corner in SetBits(on as u64) {
+        for e in CORNER_EDGES[corner as usize] {
+            vertices[usize::from(e)] = 12 + corner;
+        }
+    }
+    let mut count = 0;
+    for edges in &case.triangles[..usize::from(case.count)] {
+        count += u32::from(is_whole(corners(edges, &vertices)));
+    }
+    count
+}
+
+/// The vertices of a triangle whose vertices lie on `edges`.
+#[inline(always)]
+fn corners(edges: &[u8; 3], vertices: &[u32; 12]) -> [u32; 3] {
+    let [a, b, c] = *edges;
+    [vertices[usize::from(a)], vertices[usize::from(b)], vertices[usize::from(c)]]
+}
+
+/// Whether no two corners are one.
+#[inline(always)]
+fn is_whole([a, b, c]: [u32; 3]) -> bool {
+    a != b && b != c && c != a
 }
 
 /// Writes the triangles of the cells between slices `k` and `k + 1`; `plan` is for each row of those two slices.
@@ -161,45 +255,49 @@ pub(super) fn connect(rows: &InsideRows, k: usize, plan: [&[RowPlan]; 2], triang
         let mut first = [lower[j].first, lower[j + 1].first, upper[j].first, upper[j + 1].first];
         for w in 0..round.words() {
             let word = round.word(w);
-            let crossings = Crossings::new(&word);
+            let numbering = Numbering::new(&word);
+            let through = word.on.any();
             for i in SetBits(word.active()) {
-                let vertices = crossings.vertices(&first, i);
-                let case = &CASES[word.case(i)];
+                let case = &CASES[word.inside.of_cell(i)];
+                let mut vertices = numbering.on_edges(&first, i);
+                if through >> i & 1 == 1 {
+                    numbering.move_to_corners(&first, i, word.on.of_cell(i), &mut vertices);
+                }
                 for edges in &case.triangles[..usize::from(case.count)] {
-                    if let Some(triangle) = places.next() {
-                        for v in 0..3 {
-                            triangle[v] = vertices[usize::from(edges[v])];
-                        }
+                    let triangle = corners(edges, &vertices);
+                    if is_whole(triangle) && let Some(place) = places.next() {
+                        *place = triangle;
                     }
                 }
             }
-            crossings.step_over(&mut first);
+            numbering.step_over(&mut first);
         }
     }
 }
 
-/// The crossed edges round 64 cells of a row: x edges of all four rows, y edges of the lower and the upper slice, z edges of
-/// the lower and the upper row.
-struct Crossings {
+/// The vertices round 64 cells of a row: on x edges of all four rows, on y edges of the lower and the upper slice, on z edges
+/// of the lower and the upper row, and on voxels of all four rows.
+struct Numbering {
     x: [u64; 4],
     y: [u64; 2],
     z: [u64; 2],
+    on: [u64; 4],
 }
 
-impl Crossings {
+impl Numbering {
     #[inline(always)]
     fn new(word: &CellWord) -> Self {
-        let [row, up, above, both] = word.here;
         Self {
-            x: [word.crossed_x(0), word.crossed_x(1), word.crossed_x(2), word.crossed_x(3)],
-            y: [row ^ up, above ^ both],
-            z: [row ^ above, up ^ both],
+            x: [word.own_x(0), word.own_x(1), word.own_x(2), word.own_x(3)],
+            y: [word.own_across(0, 1), word.own_across(2, 3)],
+            z: [word.own_across(0, 2), word.own_across(1, 3)],
+            on: word.on.here,
         }
     }
 
-    /// The vertex on each of the twelve edges of cell `i`; a meaningless number where the edge is not crossed.
+    /// The vertex on each of the twelve edges of cell `i`; a meaningless number where the edge has none of its own.
     #[inline(always)]
-    fn vertices(&self, first: &[[u32; 3]; 4], i: u32) -> [u32; 12] {
+    fn on_edges(&self, first: &[[u32; KINDS]; 4], i: u32) -> [u32; 12] {
         let before = (1 << i) - 1;
         // Edges at the cell's upper x are one further in their row.
         let through = before | 1 << i;
@@ -219,11 +317,26 @@ impl Crossings {
         ]
     }
 
+    /// Puts the vertices of those corners of cell `i` that are `on` in place of the vertices on their edges.
+    #[inline(always)]
+    fn move_to_corners(&self, first: &[[u32; KINDS]; 4], i: u32, on: usize, vertices: &mut [u32; 12]) {
+        let before = (1 << i) - 1;
+        for corner in SetBits(on as u64) {
+            let row = (corner / 2) as usize;
+            let below = before | u64::from(corner % 2) << i;
+            let vertex = number(first[row][ON_VOXELS], self.on[row], below);
+            for e in CORNER_EDGES[corner as usize] {
+                vertices[usize::from(e)] = vertex;
+            }
+        }
+    }
+
     /// Moves `first` to the next word.
     #[inline(always)]
-    fn step_over(&self, first: &mut [[u32; 3]; 4]) {
+    fn step_over(&self, first: &mut [[u32; KINDS]; 4]) {
         for n in 0..4 {
             first[n][0] += self.x[n].count_ones();
+            first[n][ON_VOXELS] += self.on[n].count_ones();
         }
         first[0][1] += self.y[0].count_ones();
         first[2][1] += self.y[1].count_ones();
@@ -232,8 +345,8 @@ impl Crossings {
     }
 }
 
-/// The number of the vertex on an edge: `first`, and one more for each crossed edge before it.
+/// The number of a vertex: `first`, and one more for each before it in the row.
 #[inline(always)]
-fn number(first: u32, crossed: u64, before: u64) -> u32 {
-    first + (crossed & before).count_ones()
+fn number(first: u32, vertices: u64, before: u64) -> u32 {
+    first + (vertices & before).count_ones()
 }

@@ -14,20 +14,20 @@ use glam::DAffine3;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::cells::{self, RowCount, RowPlan};
+use super::cells::{self, KINDS, RowCount, RowPlan};
 use super::inside::InsideRows;
 use super::mesh::{Mesh, Part};
 use super::slices::Slices;
 use super::vertices::{Hit, Level, VertexSink, interpolate};
-use super::weld::weld;
+use super::weld::{Layout, weld};
 use crate::volume::{Grid, Voxel, Voxels, for_type};
 
 /// Why a surface could not be extracted.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ExtractError {
-    /// The isovalue is not a number.
-    #[error("the isovalue is not a number")]
+    /// The isovalue is NaN or infinite.
+    #[error("the isovalue is not a finite number")]
     NoIsovalue,
     /// More vertices or triangles than 32 bits count.
     #[error("the surface has more than {} {what}: reduce the volume, or cut it", u32::MAX)]
@@ -44,7 +44,7 @@ pub enum ExtractError {
 /// NaN. Where `world_from_index` is a reflection, triangles are turned over, so that they always face lower values.
 ///
 /// # Errors
-/// If `iso` is NaN, or the mesh has more vertices or triangles than `u32` counts.
+/// If `iso` is not finite, or the mesh has more vertices or triangles than `u32` counts.
 pub fn marching_cubes(grid: &Grid, iso: f64) -> Result<Mesh, ExtractError> {
     for_type!(Voxels, grid.voxels(), voxels => extract(voxels, grid.dims(), grid.world_from_index(), iso))
 }
@@ -55,19 +55,18 @@ fn extract<T: Voxel>(
     world_from_index: &DAffine3,
     iso: f64,
 ) -> Result<Mesh, ExtractError> {
-    if iso.is_nan() {
+    if !iso.is_finite() {
         return Err(ExtractError::NoIsovalue);
     }
-    let smallest_inside = T::not_below(iso).filter(|_| dims.iter().all(|n| *n > 1));
-    let Some(smallest_inside) = smallest_inside else {
-        return Ok(Mesh::default());
-    };
     let slices = Slices {
         voxels,
         first_slice: 0,
         dims,
     };
-    let rows = InsideRows::of(slices, smallest_inside);
+    let has_cells = dims.iter().all(|n| *n > 1);
+    let Some(rows) = InsideRows::of(slices, iso).filter(|_| has_cells) else {
+        return Ok(Mesh::default());
+    };
     let plan = Plan::new(&rows)?;
     let mut mesh = Mesh {
         positions: vec![[0.0; 3]; plan.vertices()],
@@ -77,7 +76,11 @@ fn extract<T: Voxel>(
     };
     let level = Level::new(iso, *world_from_index);
     let hits = fill(&mut mesh, &plan, |task| fill_slice(task, slices, &rows, &plan, &level));
-    weld(&mut mesh, &hits, dims[0] * dims[1]);
+    let layout = Layout {
+        voxels_a_slice: dims[0] * dims[1],
+        before: &plan.before,
+    };
+    weld(&mut mesh, &hits, &layout);
     if world_from_index.matrix3.determinant() < 0.0 {
         mesh.triangles.par_iter_mut().for_each(|t| t.swap(1, 2));
     }
@@ -89,8 +92,7 @@ fn extract<T: Voxel>(
     Ok(mesh)
 }
 
-/// Where each row's vertices and triangles go. A slice's vertices on x edges come before those on y edges, then those on z
-/// edges, each row after row.
+/// Where each row's vertices and triangles go. A slice's vertices are in the order of their kinds, each row after row.
 struct Plan {
     rows: Vec<RowPlan>,
     /// For each slice and the end: the numbers of vertices and triangles before it.
@@ -109,11 +111,11 @@ impl Plan {
         };
         let [mut vertices, mut triangles] = [0_u64; 2];
         for (counts, rows) in counts.chunks(ny).zip(plan.rows.chunks_mut(ny)) {
-            for axis in 0..3 {
+            for kind in 0..KINDS {
                 for (count, row) in counts.iter().zip(rows.iter_mut()) {
-                    row.first[axis] = vertices as u32;
-                    row.crossed[axis] = count.edges[axis] > 0;
-                    vertices += u64::from(count.edges[axis]);
+                    row.first[kind] = vertices as u32;
+                    row.any[kind] = count.vertices[kind] > 0;
+                    vertices += u64::from(count.vertices[kind]);
                 }
             }
             for (count, row) in counts.iter().zip(rows) {
@@ -192,8 +194,8 @@ fn fill_slice<T: Voxel>(
     let [_, ny, nz] = rows.dims;
     let SliceTask { k, mut sink, triangles } = task;
     let plan = |k: usize| &plan.rows[ny * k..][..ny];
-    for axis in 0..3 {
-        interpolate(slices, rows, plan(k), level, [axis, k], &mut sink);
+    for kind in 0..KINDS {
+        interpolate(slices, rows, plan(k), level, [kind, k], &mut sink);
     }
     if k + 1 < nz {
         cells::connect(rows, k, [plan(k), plan(k + 1)], triangles);

@@ -1,4 +1,4 @@
-//! Which voxels are inside, one bit each (LC87 §4, step 3).
+//! Which voxels are inside, and which the surface goes through, one bit each (LC87 §4, step 3).
 //!
 //! *Theory.* A voxel is inside where its value is not below the isovalue.
 //! *Changes from the paper.* The bits of a whole row are found at once. All that follows works on words of 64 of them: where
@@ -13,59 +13,169 @@ use crate::volume::Voxel;
 
 /// The bits of a lattice of voxels: bit `i % 64` of word `i / 64` for voxel `i` of a row; bits beyond a row's end are 0.
 pub(super) struct InsideRows {
-    words: Vec<u64>,
+    inside: Vec<u64>,
+    /// Voxels of the isovalue itself with a neighbour outside: the vertices on all their crossed edges are one. Empty where
+    /// no voxel can have it.
+    on: Vec<u64>,
     /// Voxels along each axis.
     pub dims: [usize; 3],
 }
 
 impl InsideRows {
-    /// The bits of all slices of a lattice.
-    pub fn of<T: Voxel>(slices: Slices<'_, T>, smallest_inside: T) -> Self {
-        let dims @ [nx, ny, nz] = slices.dims;
-        let words_a_slice = nx.div_ceil(64) * ny;
-        let mut words = vec![0; words_a_slice * nz];
-        words
-            .par_chunks_mut(words_a_slice)
-            .enumerate()
-            .for_each(|(k, words)| classify(slices.slice(k), nx, smallest_inside, words));
-        Self { words, dims }
+    /// The bits of all slices of a lattice for the surface at `iso`; `None` where the voxels' type ends below it.
+    pub fn of<T: Voxel>(slices: Slices<'_, T>, iso: f64) -> Option<Self> {
+        let smallest_inside = T::not_below(iso)?;
+        let mut rows = Self {
+            inside: vec![0; slices.dims[0].div_ceil(64) * slices.dims[1] * slices.dims[2]],
+            on: Vec::new(),
+            dims: slices.dims,
+        };
+        if smallest_inside.to_f64() == iso {
+            rows.classify_and_find(slices, smallest_inside);
+        } else {
+            rows.classify(slices, smallest_inside);
+        }
+        Some(rows)
     }
 
-    /// The words of row `j` of slice `k`.
+    fn words_a_row(&self) -> usize {
+        self.dims[0].div_ceil(64)
+    }
+
+    fn classify<T: Voxel>(&mut self, slices: Slices<'_, T>, smallest_inside: T) {
+        let words_a_slice = self.words_a_row() * self.dims[1];
+        let tasks = self.inside.par_chunks_mut(words_a_slice).enumerate();
+        tasks.for_each(|(k, inside)| classify(slices.slice(k), slices.dims[0], smallest_inside, inside));
+    }
+
+    /// Classifies, and finds the voxels of the isovalue. Where a value is not finite none is kept: an edge to it has its
+    /// vertex elsewhere.
+    fn classify_and_find<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T) {
+        let words_a_slice = self.words_a_row() * self.dims[1];
+        let mut on = vec![0; self.inside.len()];
+        let tasks = self.inside.par_chunks_mut(words_a_slice).zip(on.par_chunks_mut(words_a_slice));
+        let finite = tasks
+            .enumerate()
+            .map(|(k, (inside, on))| classify_and_find(slices.slice(k), slices.dims[0], iso, inside, on))
+            .reduce(|| true, |a, b| a && b);
+        if finite {
+            let tasks = on.par_chunks_mut(words_a_slice).enumerate();
+            tasks.for_each(|(k, on)| self.keep_near_outside(k, on));
+            self.on = on;
+        }
+    }
+
+    /// Clears the voxels of slice `k` all of whose neighbours are inside.
+    fn keep_near_outside(&self, k: usize, on: &mut [u64]) {
+        let [_, ny, nz] = self.dims;
+        for (j, row) in on.chunks_exact_mut(self.words_a_row()).enumerate() {
+            if row.iter().all(|word| *word == 0) {
+                continue;
+            }
+            // Beyond the lattice the row's own voxels go on, which are inside.
+            let here = self.row(j, k);
+            let rows = [
+                self.row(j.saturating_sub(1), k),
+                self.row((j + 1).min(ny - 1), k),
+                self.row(j, k.saturating_sub(1)),
+                self.row(j, (k + 1).min(nz - 1)),
+            ];
+            for (w, word) in row.iter_mut().enumerate() {
+                let before = here[w] << 1 | if w > 0 { here[w - 1] >> 63 } else { 1 };
+                let after = here[w] >> 1 | here.get(w + 1).map_or(1 << 63, |next| next << 63);
+                let last = self.dims[0] - 1;
+                let after = if last / 64 == w { after | 1 << (last % 64) } else { after };
+                let inside = rows.iter().fold(before & after, |inside, row| inside & row[w]);
+                *word &= !inside;
+            }
+        }
+    }
+
+    /// The inside bits of row `j` of slice `k`.
     #[inline(always)]
     pub fn row(&self, j: usize, k: usize) -> &[u64] {
-        let [nx, ny, _] = self.dims;
-        let words = nx.div_ceil(64);
-        &self.words[words * (j + ny * k)..][..words]
+        let words = self.words_a_row();
+        &self.inside[words * (j + self.dims[1] * k)..][..words]
+    }
+
+    /// The bits of the voxels of row `j` of slice `k` that the surface goes through; none at all where there are none.
+    #[inline(always)]
+    pub fn on(&self, j: usize, k: usize) -> &[u64] {
+        let words = self.words_a_row();
+        self.on.get(words * (j + self.dims[1] * k)..).map_or(&[], |rows| &rows[..words.min(rows.len())])
     }
 }
 
-/// Fills `words` with the bits of the rows of `width` voxels that `voxels` holds.
+/// Fills `inside` with the bits of the rows of `width` voxels that `voxels` holds.
 #[multiversion::multiversion(targets(
     "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2"
 ))]
-fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, words: &mut [u64]) {
-    let rows = voxels.chunks_exact(width).zip(words.chunks_exact_mut(width.div_ceil(64)));
-    for (row, words) in rows {
+fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &mut [u64]) {
+    let rows = voxels.chunks_exact(width).zip(inside.chunks_exact_mut(width.div_ceil(64)));
+    for (row, inside) in rows {
         let (whole, rest) = row.as_chunks::<64>();
-        for (chunk, word) in whole.iter().zip(words.iter_mut()) {
-            *word = word_of(chunk, smallest_inside);
+        for (chunk, word) in whole.iter().zip(inside.iter_mut()) {
+            *word = not_below(chunk, smallest_inside);
         }
-        if let Some(last) = words.get_mut(whole.len()) {
-            *last = word_of(rest, smallest_inside);
+        if let Some(last) = inside.get_mut(whole.len()) {
+            *last = not_below(rest, smallest_inside);
         }
     }
 }
 
-/// The bits of at most 64 voxels. For 64 of them compilers turn this into wide comparisons.
+/// [`classify`], and the bits of the voxels that are `iso`; returns whether all are finite.
+#[multiversion::multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2"
+))]
+fn classify_and_find<T: Voxel>(voxels: &[T], width: usize, iso: T, inside: &mut [u64], on: &mut [u64]) -> bool {
+    let words = width.div_ceil(64);
+    let words = inside.chunks_exact_mut(words).zip(on.chunks_exact_mut(words));
+    let mut finite = true;
+    for (row, (inside, on)) in voxels.chunks_exact(width).zip(words) {
+        let (whole, rest) = row.as_chunks::<64>();
+        for (n, chunk) in whole.iter().enumerate() {
+            inside[n] = not_below(chunk, iso);
+            on[n] = equal(chunk, iso);
+            finite &= all_finite(chunk);
+        }
+        if let Some(last) = inside.get_mut(whole.len()) {
+            *last = not_below(rest, iso);
+            on[whole.len()] = equal(rest, iso);
+            finite &= all_finite(rest);
+        }
+    }
+    finite
+}
+
+// Of at most 64 voxels each. For 64 of them compilers turn these into wide comparisons.
+
 #[inline(always)]
-fn word_of<T: Voxel>(voxels: &[T], smallest_inside: T) -> u64 {
+fn not_below<T: Voxel>(voxels: &[T], smallest_inside: T) -> u64 {
     let mut word = 0;
     for (n, v) in voxels.iter().enumerate() {
         word |= u64::from(*v >= smallest_inside) << n;
     }
     word
+}
+
+#[inline(always)]
+fn equal<T: Voxel>(voxels: &[T], iso: T) -> u64 {
+    let mut word = 0;
+    for (n, v) in voxels.iter().enumerate() {
+        word |= u64::from(*v == iso) << n;
+    }
+    word
+}
+
+#[inline(always)]
+fn all_finite<T: Voxel>(voxels: &[T]) -> bool {
+    let mut finite = true;
+    for v in voxels {
+        finite &= v.to_f64().is_finite();
+    }
+    finite
 }
 
 #[cfg(test)]
@@ -81,7 +191,7 @@ mod tests {
                 first_slice: 0,
                 dims: [width, 3, 1],
             };
-            let rows = InsideRows::of(slices, 5.0);
+            let rows = InsideRows::of(slices, 5.0).expect("bits");
             for (n, row) in voxels.chunks(width).enumerate() {
                 let bit = |i: usize| rows.row(n, 0).get(i / 64).is_some_and(|w| w >> (i % 64) & 1 == 1);
                 for i in 0..width.div_ceil(64) * 64 {
@@ -93,8 +203,9 @@ mod tests {
 
     #[test]
     fn not_a_number_is_outside() {
-        let mut word = [0];
-        classify(&[f64::NAN, 1.0, f64::INFINITY], 3, 1.0, &mut word);
-        assert_eq!(word, [0b110]);
+        let mut words = [[0], [0]];
+        let [inside, on] = &mut words;
+        assert!(!classify_and_find(&[f64::NAN, 1.0, f64::INFINITY], 3, 1.0, inside, on));
+        assert_eq!(words, [[0b110], [0b010]]);
     }
 }

@@ -26,14 +26,15 @@ impl<'a, T: Voxel> Slices<'a, T> {
     }
 
     /// The rows that the edges along `axis` which start in row `j` of slice `k` lead from and to. Beyond the lattice's
-    /// border, where there are no edges, it is the same row twice.
+    /// border, where there are no edges, and on voxels, which are no axis, it is the same row twice.
     #[inline(always)]
     pub fn ends(&self, axis: usize, j: usize, k: usize) -> [Stencil<'a, T>; 2] {
         let [_, ny, nz] = self.dims;
         let to = match axis {
             0 => [j, k],
             1 => [(j + 1).min(ny - 1), k],
-            _ => [j, (k + 1).min(nz - 1)],
+            2 => [j, (k + 1).min(nz - 1)],
+            _ => [j, k],
         };
         [self.stencil(j, k), self.stencil(to[0], to[1])]
     }

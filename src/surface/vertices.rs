@@ -11,7 +11,7 @@
 
 use glam::{DAffine3, DMat3};
 
-use super::cells::{RowPlan, RowsRound, SetBits};
+use super::cells::{KINDS, ON_VOXELS, RowPlan, RowsRound, SetBits};
 use super::inside::InsideRows;
 use super::slices::{HERE, NEIGHBOURS, Slices, Stencil};
 use crate::volume::Voxel;
@@ -61,9 +61,9 @@ const LANES: usize = 64;
 /// A number for each edge of a batch.
 type Lanes<N> = [N; LANES];
 
-/// Edges of one slice along one axis, and what their vertices follow from.
+/// Edges of one slice along one axis, and what their vertices follow from; or voxels that are vertices themselves.
 struct Batch<T> {
-    axis: usize,
+    kind: usize,
     slice: usize,
     len: usize,
     /// The voxels that the edges start from, by index in x and y.
@@ -84,9 +84,9 @@ struct Vertices {
 }
 
 impl<T: Voxel> Batch<T> {
-    fn new(axis: usize, slice: usize) -> Self {
+    fn new(kind: usize, slice: usize) -> Self {
         Self {
-            axis,
+            kind,
             slice,
             len: 0,
             index: [[0.0; LANES]; 2],
@@ -102,7 +102,7 @@ impl<T: Voxel> Batch<T> {
         let n = self.len;
         self.index[0][n] = i as f64;
         self.index[1][n] = j as f64;
-        let at = [i, i + usize::from(self.axis == 0)];
+        let at = [i, i + usize::from(self.kind == 0)];
         for end in 0..2 {
             let (values, x_scale) = ends[end].values(at[end]);
             for v in 0..7 {
@@ -134,16 +134,16 @@ impl<T: Voxel> Batch<T> {
         let world = level.world_from_index.matrix3.to_cols_array_2d();
         let origin = level.world_from_index.translation.to_array();
         let turn = level.normal_from_gradient.to_cols_array_2d();
-        let mut direction = [0.0; 3];
-        direction[self.axis] = 1.0;
+        let mut direction = [0.0; KINDS];
+        direction[self.kind] = 1.0;
         let k = self.slice as f64;
         for n in 0..LANES {
             let (lower, upper) = (self.value(0, n), self.value(1, n));
-            let t = (level.iso - lower) / (upper - lower);
+            let t = if self.kind == ON_VOXELS { 0.0 } else { (level.iso - lower) / (upper - lower) };
             let x = (self.index[0][n] + t * direction[0]) as f32;
             let y = (self.index[1][n] + t * direction[1]) as f32;
             let z = (k + t * direction[2]) as f32;
-            out.along[n] = if self.axis == 0 { x } else if self.axis == 1 { y } else { z };
+            out.along[n] = if self.kind == 0 { x } else if self.kind == 1 { y } else { z };
             let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
             // Terms are added in the order in which VTK adds them.
             for a in 0..3 {
@@ -178,12 +178,13 @@ impl<T: Voxel> Batch<T> {
             *position = [vertices.positions[0][n], vertices.positions[1][n], vertices.positions[2][n]];
             *normal = [vertices.normals[0][n], vertices.normals[1][n], vertices.normals[2][n]];
         }
-        for n in 0..self.len {
-            let lower = if self.axis == 2 { self.slice as f32 } else { self.index[self.axis][n] as f32 };
+        let edges = if self.kind == ON_VOXELS { 0 } else { self.len };
+        for n in 0..edges {
+            let lower = if self.kind == 2 { self.slice as f32 } else { self.index[self.kind][n] as f32 };
             let ends = [vertices.along[n] == lower, vertices.along[n] == lower + 1.0];
             if ends[0] || ends[1] {
                 let mut voxel = [self.index[0][n] as u64, self.index[1][n] as u64, self.slice as u64];
-                voxel[self.axis] += u64::from(!ends[0]);
+                voxel[self.kind] += u64::from(!ends[0]);
                 let [x, y, z] = voxel;
                 sink.hits.push(Hit {
                     voxel: x + dims[0] as u64 * (y + dims[1] as u64 * z),
@@ -196,7 +197,7 @@ impl<T: Voxel> Batch<T> {
     }
 }
 
-/// Adds the vertices on the edges along `axis` that start in slice `k`, whose rows `plan` is for.
+/// Adds the vertices of `kind` that start in slice `k`, whose rows `plan` is for.
 #[multiversion::multiversion(targets(
     "x86_64+avx512f+avx512bw+avx512dq+avx512vl+popcnt+bmi1+bmi2",
     "x86_64+avx2+popcnt+bmi1+bmi2"
@@ -206,26 +207,26 @@ pub(super) fn interpolate<T: Voxel>(
     rows: &InsideRows,
     plan: &[RowPlan],
     level: &Level,
-    [axis, k]: [usize; 2],
+    [kind, k]: [usize; 2],
     sink: &mut VertexSink<'_>,
 ) {
     let dims = slices.dims;
-    let mut batch = Batch::new(axis, k);
+    let mut batch = Batch::new(kind, k);
     let mut vertices = Vertices {
         along: [0.0; LANES],
         positions: [[0.0; LANES]; 3],
         normals: [[0.0; LANES]; 3],
     };
-    for j in (0..dims[1]).filter(|j| plan[*j].crossed[axis]) {
+    for j in (0..dims[1]).filter(|j| plan[*j].any[kind]) {
         let round = RowsRound::new(rows, j, k);
-        let ends = slices.ends(axis, j, k);
+        let ends = slices.ends(kind, j, k);
         let yz_scale = [ends[0].scale, ends[1].scale];
         if batch.yz_scale != yz_scale {
             batch.flush(level, dims, &mut vertices, sink);
             batch.yz_scale = yz_scale;
         }
         for w in 0..round.words() {
-            for i in SetBits(round.crossed(w, axis)) {
+            for i in SetBits(round.vertices(w, kind)) {
                 batch.push(&ends, [w * 64 + i as usize, j]);
                 if batch.len == LANES {
                     batch.flush(level, dims, &mut vertices, sink);

@@ -1,15 +1,38 @@
 //! Vertices that fall together are one.
 //!
-//! *Theory.* Where a voxel has the isovalue itself, or so nearly that the vertex rounds to it, the vertices on all its crossed
-//! edges lie on the voxel. vtkMarchingCubes merges points of equal coordinates as they come, and drops triangles of which two
-//! corners became one.
-//! *Practice.* Extraction notes each vertex that falls on a voxel; here those of one voxel are put together, the first of them
-//! stays, and all later numbers close up. Without any nothing is done.
+//! *Theory.* Where a voxel has nearly the isovalue, the vertices on its crossed edges may round to the voxel.
+//! vtkMarchingCubes merges points of equal coordinates as they come, and drops triangles of which two corners became one.
+//! *Practice.* Voxels of the isovalue itself have one vertex from the start (`inside`), unless the lattice has values that are
+//! not finite. Of the others extraction notes each vertex that falls on a voxel. Here those of one voxel are put together:
+//! the first of them stays, and the mesh's last vertices move to where the others were. That is rare, so only the triangles
+//! of the slices where it happens are looked at.
+
+use std::collections::{BTreeSet, HashMap};
+use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::mesh::Mesh;
 use super::vertices::Hit;
+
+/// What [`weld`] knows of how a mesh was made of slices.
+pub(super) struct Layout<'a> {
+    pub voxels_a_slice: usize,
+    /// For each slice and the end: the numbers of vertices and of triangles before it.
+    pub before: &'a [[usize; 2]],
+}
+
+impl Layout<'_> {
+    /// The triangles that may have vertex `v`: those on both sides of its slice.
+    fn layers_of(&self, v: usize) -> Range<usize> {
+        let slice = self.before.partition_point(|before| before[0] <= v) - 1;
+        slice.saturating_sub(1)..slice + 1
+    }
+
+    fn triangles_of(&self, layer: usize) -> Range<usize> {
+        self.before[layer][1]..self.before[layer + 1][1]
+    }
+}
 
 /// A vertex that goes, and the one in its place.
 #[derive(Clone, Copy)]
@@ -18,25 +41,17 @@ struct Merged {
     into: u32,
 }
 
-/// Merges the vertices of `mesh` that `hits` says are on the same voxel. There is a list for each slice, of `voxels_a_slice`,
-/// whose hits are in that slice or the next.
-pub(super) fn weld(mesh: &mut Mesh, hits: &[Vec<Hit>], voxels_a_slice: usize) {
+/// Merges the vertices of `mesh` that `hits` says are on the same voxel. There is a list for each slice, whose hits are in
+/// that slice or the next.
+pub(super) fn weld(mesh: &mut Mesh, hits: &[Vec<Hit>], layout: &Layout<'_>) {
     let merged: Vec<Merged> = (0..hits.len())
         .into_par_iter()
-        .flat_map_iter(|k| merged_in_slice(hits, k, voxels_a_slice as u64))
+        .flat_map_iter(|k| merged_in_slice(hits, k, layout.voxels_a_slice as u64))
         .collect();
-    if merged.is_empty() {
-        return;
+    if !merged.is_empty() {
+        let renamed = close_up(mesh, &merged);
+        rename(mesh, &renamed, layout);
     }
-    let mut gone = vec![false; mesh.positions.len()];
-    for vertex in &merged {
-        gone[vertex.gone as usize] = true;
-    }
-    let number = new_numbers(&gone, &merged);
-    retain(&mut mesh.positions, |n, _| !gone[n]);
-    retain(&mut mesh.normals, |n, _| !gone[n]);
-    mesh.triangles.par_iter_mut().for_each(|t| *t = t.map(|v| number[v as usize]));
-    retain(&mut mesh.triangles, |_, [a, b, c]| a != b && b != c && c != a);
 }
 
 /// The vertices that are merged at the voxels of slice `k`.
@@ -55,43 +70,65 @@ fn merged_in_slice(hits: &[Vec<Hit>], k: usize, voxels_a_slice: u64) -> Vec<Merg
         .collect()
 }
 
-/// The number that each vertex has when those that go have made room.
-fn new_numbers(gone: &[bool], merged: &[Merged]) -> Vec<u32> {
-    let mut stayed = 0;
-    let mut numbers: Vec<u32> = Vec::with_capacity(gone.len());
-    numbers.extend(gone.iter().map(|gone| {
-        let number = stayed;
-        stayed += u32::from(!gone);
-        number
-    }));
-    for vertex in merged {
-        numbers[vertex.gone as usize] = numbers[vertex.into as usize];
+/// Fills the places of the vertices that go with the last ones, and returns the new numbers of both.
+fn close_up(mesh: &mut Mesh, merged: &[Merged]) -> HashMap<u32, u32> {
+    let kept = mesh.positions.len() - merged.len();
+    let gone: BTreeSet<u32> = merged.iter().map(|m| m.gone).collect();
+    let last = (kept as u32..mesh.positions.len() as u32).filter(|v| !gone.contains(v));
+    let mut renamed: HashMap<u32, u32> = HashMap::new();
+    for (place, from) in gone.iter().zip(last) {
+        mesh.positions[*place as usize] = mesh.positions[from as usize];
+        mesh.normals[*place as usize] = mesh.normals[from as usize];
+        renamed.insert(from, *place);
     }
-    numbers
+    mesh.positions.truncate(kept);
+    mesh.normals.truncate(kept);
+    for m in merged {
+        let into = renamed.get(&m.into).copied().unwrap_or(m.into);
+        renamed.insert(m.gone, into);
+    }
+    renamed
 }
 
-/// Values that are looked at together.
-const CHUNK: usize = 1 << 14;
-
-/// `Vec::retain` by place and value: chunks are closed up in parallel, and then moved together.
-fn retain<T: Copy + Send>(values: &mut Vec<T>, stays: impl Fn(usize, &T) -> bool + Sync) {
-    let kept: Vec<usize> = values
-        .par_chunks_mut(CHUNK)
-        .enumerate()
-        .map(|(c, chunk)| {
-            let mut kept = 0;
-            for n in 0..chunk.len() {
-                let value = chunk[n];
-                chunk[kept] = value;
-                kept += usize::from(stays(c * CHUNK + n, &value));
+/// Gives the triangles their vertices' new numbers, and drops those that lose a corner.
+fn rename(mesh: &mut Mesh, renamed: &HashMap<u32, u32>, layout: &Layout<'_>) {
+    let layers: BTreeSet<usize> = renamed.keys().flat_map(|v| layout.layers_of(*v as usize)).collect();
+    let number = |v: u32| renamed.get(&v).copied().unwrap_or(v);
+    let is_renamed = Marks::new(renamed.keys().copied());
+    let mut dropped = Vec::new();
+    for n in layers.into_iter().flat_map(|layer| layout.triangles_of(layer)) {
+        let triangle = &mut mesh.triangles[n];
+        if triangle.iter().any(|v| is_renamed.has(*v)) {
+            *triangle = triangle.map(number);
+            let [a, b, c] = *triangle;
+            if a == b || b == c || c == a {
+                dropped.push(n);
             }
-            kept
-        })
-        .collect();
-    let mut end = 0;
-    for (c, kept) in kept.into_iter().enumerate() {
-        values.copy_within(c * CHUNK..c * CHUNK + kept, end);
-        end += kept;
+        }
     }
-    values.truncate(end);
+    // From the last on, so that what fills a gap is no gap itself.
+    for n in dropped.into_iter().rev() {
+        mesh.triangles.swap_remove(n);
+    }
+}
+
+/// A quick answer to whether a number may be in a set: one bit for each remainder.
+struct Marks(Vec<u64>);
+
+impl Marks {
+    const BITS: u32 = 1 << 16;
+
+    fn new(numbers: impl Iterator<Item = u32>) -> Self {
+        let mut words = vec![0; (Self::BITS / 64) as usize];
+        for n in numbers {
+            let bit = n % Self::BITS;
+            words[(bit / 64) as usize] |= 1 << (bit % 64);
+        }
+        Self(words)
+    }
+
+    fn has(&self, n: u32) -> bool {
+        let bit = n % Self::BITS;
+        self.0[(bit / 64) as usize] >> (bit % 64) & 1 == 1
+    }
 }
