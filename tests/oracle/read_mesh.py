@@ -43,7 +43,7 @@ def with_vtk(path):
     reader.Update()
     output = reader.GetOutput()
     if output.IsA("vtkPolyData"):
-        return vtk_polydata(output)
+        return vtk_polydata(output) | {"space": vtk_space(reader, output)}
     return [vtk_polydata(block) for block in leaves(output)]
 
 
@@ -59,7 +59,6 @@ def leaves(blocks):
 def vtk_polydata(polydata):
     count = polydata.GetNumberOfPoints()
     normals = polydata.GetPointData().GetNormals()
-    space = polydata.GetFieldData().GetAbstractArray("SPACE")
     triangles = vtk_to_numpy(polydata.GetPolys().GetConnectivityArray()).reshape(-1, 3)
     return {
         "positions": plain(vtk_to_numpy(polydata.GetPoints().GetData())) if count else [],
@@ -67,8 +66,19 @@ def vtk_polydata(polydata):
         "triangles": plain(triangles),
         "points": vtk_arrays(polydata.GetPointData()),
         "cells": vtk_arrays(polydata.GetCellData()),
-        "space": space.GetValue(0) if space else None,
     }
+
+
+def vtk_space(reader, polydata):
+    """Where the formats have a place for the frame: a header, comments, or a field."""
+    if reader.IsA("vtkSTLReader"):
+        return reader.GetHeader()
+    if reader.IsA("vtkOBJReader"):
+        return reader.GetComment()
+    if reader.IsA("vtkPLYReader"):
+        comments = reader.GetComments()
+        return " ".join(comments.GetValue(n) for n in range(comments.GetNumberOfValues()))
+    return "SPACE=" + polydata.GetFieldData().GetAbstractArray("SPACE").GetValue(0)
 
 
 def vtk_arrays(data):
@@ -106,7 +116,6 @@ def trimesh_stl(path):
         "positions": plain(found["vertices"]),
         "triangles": plain(found["faces"]),
         "facet_normals": plain(found["face_normals"]),
-        "header": found["metadata"]["header"],
     }
 
 
