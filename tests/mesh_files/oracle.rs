@@ -20,7 +20,8 @@ pub fn read<const N: usize>(requests: [(&str, &PathBuf); N]) -> [Value; N] {
     let messages = String::from_utf8_lossy(&output.stderr);
     assert!(
         output.status.success(),
-        "{SCRIPT}: {messages}\nIf a module is missing, run make setup"
+        "{SCRIPT}: {}, {messages}\nIf a module is missing, run make setup",
+        output.status
     );
     let mut found = serde_json::Deserializer::from_slice(&output.stdout).into_iter();
     requests.map(|_| found.next().expect("a line a file").expect("JSON"))
