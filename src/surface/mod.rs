@@ -4,6 +4,7 @@ mod cases;
 mod cells;
 mod extract;
 mod inside;
+pub mod io;
 mod mesh;
 mod slices;
 mod vertices;
