@@ -57,7 +57,7 @@ impl Contours {
         let corners = FACES[face as usize];
         let around = corners.map(|c| values[c as usize]);
         let inside = around.map(is_inside);
-        let step = if is_ambiguous(around) && is_joined(around) { 3 } else { 1 };
+        let step = if alternate(inside) && joins(around, inside[0]) { 3 } else { 1 };
         let edge = |k: usize| edge_between(corners[k], corners[(k + 1) % 4]);
         let leaves = |k: &usize| inside[*k] && !inside[(*k + 1) % 4];
         for entry in (0..4).filter(|&k| !inside[k] && inside[(k + 1) % 4]) {
@@ -82,18 +82,17 @@ impl Contours {
     }
 }
 
-/// Whether the signs alternate around a quadrilateral of values.
-pub(super) fn is_ambiguous(around: [f64; 4]) -> bool {
-    let [a, b, c, d] = around.map(is_inside);
+/// Whether signs alternate around a quadrilateral, so that they do not tell how its contour runs.
+pub(super) fn alternate([a, b, c, d]: [bool; 4]) -> bool {
     a == c && b == d && a != b
 }
 
-/// The asymptotic decider: whether the two inside corners of an ambiguous quadrilateral are joined across it.
+/// The asymptotic decider: whether the two inside corners are joined across a quadrilateral with alternating signs.
 ///
 /// The bilinear interpolant's saddle has the sign of the product of the inside corners less that of the outside corners. Products
 /// commute bit for bit, so that the two cells at a face decide alike; equal products join the inside, as they would if all values
 /// were a little larger.
-pub(super) fn is_joined(around: [f64; 4]) -> bool {
+pub(super) fn joins(around: [f64; 4], first_is_inside: bool) -> bool {
     let (even, odd) = (around[0] * around[2], around[1] * around[3]);
-    if is_inside(around[0]) { even >= odd } else { odd >= even }
+    if first_is_inside { even >= odd } else { odd >= even }
 }

@@ -71,7 +71,7 @@ fn plain(signs: usize) -> Option<CellTriangles> {
     let values = std::array::from_fn(|c| if signs >> c & 1 == 1 { 1.0 } else { -1.0 });
     let ambiguous = cell::FACES
         .iter()
-        .any(|face| contour::is_ambiguous(face.map(|c| values[c as usize])));
+        .any(|face| contour::alternate(face.map(|c| signs >> c & 1 == 1)));
     let single = Contours::trace(&values).firsts().len() <= 1;
     (!ambiguous && single).then(|| resolve(&values))
 }

@@ -1,42 +1,61 @@
-//! Sections across a cell, on which the interpolant is bilinear.
+//! Sections across a cell, on which the interpolant is bilinear, and the one that decides about a tunnel.
 
 use super::cell::{edge_between, edge_corners, is_inside};
-use super::contour::{is_ambiguous, is_joined};
+use super::contour::{alternate, joins};
 
-/// The section at a height along an axis; its corners lie on the four edges along the axis, here called columns.
+/// The section across an axis where the asymptotic decider of the sections has its extreme.
+///
+/// The section's corners lie on the four edges along the axis, here called columns.
 pub(super) struct Section<'a> {
     values: &'a [f64; 8],
     axis: u8,
-    /// The value on each column.
+    /// The interpolant on each column, times a positive number.
     at: [f64; 4],
+    /// Whether it is inside there.
+    inside: [bool; 4],
+    /// Where the section is, 0 to 1.
+    height: f64,
+    /// How far above and below it the decider is zero; 0 if it is nowhere.
+    reach: f64,
 }
 
 impl<'a> Section<'a> {
-    /// The section at `height`, 0 to 1.
-    pub fn new(values: &'a [f64; 8], axis: u8, height: f64) -> Self {
-        let at = columns(values, axis).map(|[lower, upper]| lower + (upper - lower) * height);
-        Self { values, axis, at }
+    /// The section, if there is one strictly within the cell.
+    ///
+    /// The decider is a quadratic in the height. With all values a little larger its extreme moves; where the interpolant is zero,
+    /// the sign is that of the motion. Multiplied by its denominator, all is exact for small whole numbers.
+    pub fn at_extreme(values: &'a [f64; 8], axis: u8) -> Option<Self> {
+        let column = columns(values, axis);
+        let lower = column.map(|[lower, _]| lower);
+        let slope = column.map(|[lower, upper]| upper - lower);
+        let bend = decider(slope, slope);
+        let scale = 2.0 * bend.abs();
+        let height = -(decider(lower, slope) + decider(slope, lower)) * bend.signum();
+        let motion = (slope[1] + slope[2] - slope[0] - slope[3]) * bend.signum();
+        if !(0.0 < height && height < scale) {
+            return None;
+        }
+        let at = [0, 1, 2, 3].map(|k| lower[k] * scale + slope[k] * height);
+        let inside = |k: usize| at[k] > 0.0 || at[k] == 0.0 && scale + slope[k] * motion >= 0.0;
+        Some(Self {
+            values,
+            axis,
+            at,
+            inside: [0, 1, 2, 3].map(inside),
+            height: height / scale,
+            reach: (-decider(at, at) / bend).max(0.0).sqrt() / scale,
+        })
     }
 
     /// Whether the signs of the corners alternate.
     pub fn is_ambiguous(&self) -> bool {
-        is_ambiguous(self.around())
+        alternate(cyclic(self.inside))
     }
 
-    /// Two sides, each as two columns, that an arc of the level set in this ambiguous section connects.
-    pub fn arc(&self) -> [[u8; 2]; 2] {
-        let cuts_off_first = is_inside(self.at[0]) != is_joined(self.around());
-        if cuts_off_first { [[0, 1], [0, 2]] } else { [[0, 1], [1, 3]] }
-    }
-
-    /// The edge whose vertex begins or ends the contour segment that this section meets on the face between two columns.
-    ///
-    /// Along the section the interpolant is linear between the columns, so that there is one such segment.
-    pub fn edge_on(&self, [i, j]: [u8; 2]) -> u8 {
-        let signs = [i, j].map(|column| is_inside(self.at[column as usize]));
-        let [a, b] = [i, j].map(|column| edge_corners(4 * self.axis + column));
-        let rim = (0..2).find(|&k| [a[k], b[k]].map(|c| is_inside(self.values[c as usize])) == signs);
-        rim.map_or(4 * self.axis + i, |k| edge_between(a[k], b[k]))
+    /// The first of the two columns that the level set's arcs in this ambiguous section do not cut off: 0 or 1. The other is the
+    /// opposite one.
+    pub fn bridged(&self) -> u8 {
+        u8::from(self.inside[0] != joins(cyclic(self.at), self.inside[0]))
     }
 
     /// The two columns on the lower (0) or upper (1) face across another axis.
@@ -46,34 +65,61 @@ impl<'a> Section<'a> {
         [side * step, side * step + 3 - step]
     }
 
-    /// Where the bilinear interpolant of an ambiguous section has its saddle, along the other axes in increasing order; 0 to 1.
-    pub fn saddle(&self) -> [f64; 2] {
-        let [a, b, c, d] = self.at;
+    /// The edge whose vertex begins or ends the contour segment that this section meets on the face between two columns.
+    ///
+    /// Along the section the interpolant is linear between the columns, so that there is one such segment.
+    pub fn edge_on(&self, [i, j]: [u8; 2]) -> u8 {
+        let signs = [i, j].map(|column| self.inside[column as usize]);
+        let [a, b] = [i, j].map(|column| edge_corners(4 * self.axis + column));
+        let rim = (0..2).find(|&k| [a[k], b[k]].map(|c| is_inside(self.values[c as usize])) == signs);
+        rim.map_or(4 * self.axis + i, |k| edge_between(a[k], b[k]))
+    }
+
+    /// The two heights at which the saddle of the section lies on the level set, from the lower to the upper, 0 to 1.
+    pub fn saddle_heights(&self) -> [f64; 2] {
+        [self.height - self.reach, self.height + self.reach].map(|height| height.clamp(0.0, 1.0))
+    }
+}
+
+/// The saddles of the sections across an axis.
+pub(super) struct Saddles {
+    lower: [f64; 4],
+    slope: [f64; 4],
+}
+
+impl Saddles {
+    /// The saddles of a cell along `axis`.
+    pub fn new(values: &[f64; 8], axis: u8) -> Self {
+        let column = columns(values, axis);
+        Self {
+            lower: column.map(|[lower, _]| lower),
+            slope: column.map(|[lower, upper]| upper - lower),
+        }
+    }
+
+    /// The saddle at a height where it lies in the cell, along the two other axes in increasing order; 0 to 1.
+    pub fn at(&self, height: f64) -> [f64; 2] {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.lower[k] + self.slope[k] * height);
         let twist = (a - b) + (d - c);
         [(a - c) / twist, (a - b) / twist].map(|t| t.clamp(0.0, 1.0))
     }
 
-    fn around(&self) -> [f64; 4] {
-        let [a, b, c, d] = self.at;
-        [a, b, d, c]
+    /// Whether the saddle moves up along the first of the other axes as the height grows.
+    pub fn rises(&self) -> bool {
+        let first = |f: [f64; 4]| f[0] - f[2];
+        let twist = |f: [f64; 4]| (f[0] - f[1]) + (f[3] - f[2]);
+        first(self.slope) * twist(self.lower) > first(self.lower) * twist(self.slope)
     }
 }
 
-/// The heights at which the saddles of the sections along an axis lie on the level set, from the lower to the upper: none if there
-/// are not two.
-///
-/// The decider of the sections is a quadratic in the height; both are its extreme's height if it touches zero there.
-pub(super) fn saddle_heights(values: &[f64; 8], axis: u8) -> Option<[f64; 2]> {
-    let column = columns(values, axis);
-    let lower = column.map(|[lower, _]| lower);
-    let slope = column.map(|[lower, upper]| upper - lower);
-    let decider = |a: [f64; 4], b: [f64; 4]| a[0] * b[3] - a[1] * b[2];
-    let square = decider(slope, slope);
-    let extreme = -(decider(lower, slope) + decider(slope, lower)) / (2.0 * square);
-    let there = Section::new(values, axis, extreme).at;
-    let reach = (-decider(there, there) / square).sqrt();
-    let heights = [extreme - reach, extreme + reach];
-    (heights[0] >= 0.0 && heights[1] <= 1.0).then_some(heights)
+/// Half the asymptotic decider's bilinear form; of one section's corners twice, its decider.
+fn decider(a: [f64; 4], b: [f64; 4]) -> f64 {
+    a[0] * b[3] - a[1] * b[2]
+}
+
+/// The columns in their order around the section.
+fn cyclic<T: Copy>([a, b, c, d]: [T; 4]) -> [T; 4] {
+    [a, b, d, c]
 }
 
 /// The values at the lower and upper end of each column.

@@ -1,19 +1,19 @@
 //! The tube: where a tunnel runs through a cell, its surface connects two contours.
 //!
 //! *Theory.* The sections across an axis are bilinear; their asymptotic decider is a quadratic in the height. A tunnel is there
-//! if and only if the decider has two roots in the cell within one run of ambiguous sections: between them two sheets are
-//! bridged that are apart both above and below. Arcs of the level set in the section half-way between the roots then connect
-//! points of two contours, and of no cell without a tunnel, whose contours all bound discs. At each root the section's level set
-//! is a pair of crossing lines; with the other axes' these lines form a closed hexagon on the level set around the tunnel (Grosso
-//! 2016), six corners of the box that the roots span. Every second corner's two lines run on to one contour, on the three faces
-//! at one corner of the cell, those of the others to the other contour on the opposite faces.
-//! *Practice.* The hexagon's corners are the tube's interior vertices. Each belongs to the contour that its lines run on to, and
-//! fans out to the contour's vertices between the two segments that the lines meet; six triangles within the hexagon join both
-//! sides. Nothing is measured, so the triangles cannot come out tangled in a flat cell.
+//! if and only if the decider has two roots in the cell within one run of ambiguous sections: between the roots two sheets are
+//! bridged that are apart both above and below. Half-way between, arcs of the level set then connect points of two contours; in a
+//! cell without a tunnel they never do, for there all contours bound discs. At each root the section's level set is a pair of
+//! crossing lines, and those of all three axes form a closed hexagon on the level set around the tunnel (Grosso 2016): six corners
+//! of the box that the roots span. The two lines through every second corner run on to one contour, on the three faces at a corner
+//! of the cell; those through the others to the other contour, on the opposite faces.
+//! *Practice.* The hexagon's corners are the tube's interior vertices. Each fans out to the vertices of its contour between the
+//! two segments that its lines meet; six triangles within the hexagon join both sides. Which vertices belong together is read
+//! from signs, not from distances, so that the tube is in order even where it is infinitely thin.
 
 use super::CellTriangles;
 use super::contour::Contours;
-use super::section::{Section, saddle_heights};
+use super::section::{Saddles, Section};
 
 /// The axis across which sections are examined. Every axis sees a tunnel.
 const AXIS: u8 = 2;
@@ -27,9 +27,9 @@ pub(super) struct Tube {
 struct End {
     /// The contour's label.
     label: u8,
-    /// The hexagon's corners on this side, by the axis of the section through each that has its saddle there.
+    /// The hexagon's corners on this side, by the axis of the section that has its saddle there.
     ring: [[f64; 3]; 3],
-    /// The first edge of the contour segment that the ring's lines along each axis meet.
+    /// The first edge of the contour segment that the lines along each axis meet.
     meets: [u8; 3],
     /// The axes in the order in which the contour comes to those segments.
     order: [usize; 3],
@@ -38,19 +38,28 @@ struct End {
 impl Tube {
     /// The tube through a cell, if there is one.
     pub fn find(values: &[f64; 8], contours: &Contours) -> Option<Self> {
-        let [lower, upper] = saddle_heights(values, AXIS)?;
-        let between = Section::new(values, AXIS, 0.5 * (lower + upper));
-        if !between.is_ambiguous() {
+        let section = Section::at_extreme(values, AXIS).filter(Section::is_ambiguous)?;
+        let column = section.bridged();
+        let label = |axis, side| contours.label[section.edge_on(section.side(axis, side)) as usize];
+        // The two sides of a column that an arc cuts off.
+        if label(1, 0) == label(0, 1 - column) {
             return None;
         }
-        let [a, b] = between.arc().map(|side| contours.label[between.edge_on(side) as usize]);
-        (a != b).then_some(())?;
-        let [p, q] = [lower, upper].map(|height| Section::new(values, AXIS, height).saddle());
-        let near = [p[0], p[1], upper];
-        let far = [q[0], q[1], lower];
-        let ends = [End::new(values, contours, near, far)?, End::new(values, contours, far, near)?];
-        let opposed = ends[0].label != ends[1].label && ends[0].order[1] != ends[1].order[1];
-        opposed.then_some(Self { ends })
+        let saddles = Saddles::new(values, AXIS);
+        let corner = [column, 0, u8::from((column == 0) == saddles.rises())];
+        let heights = section.saddle_heights();
+        let box_corner = |upper: u8| {
+            let [x, y] = saddles.at(heights[1 - upper as usize]);
+            [x, y, heights[upper as usize]]
+        };
+        let [near, far] = [corner[2], 1 - corner[2]].map(box_corner);
+        let opposite = corner.map(|side| 1 - side);
+        let ends = [
+            End::new(values, contours, corner, [near, far])?,
+            End::new(values, contours, opposite, [far, near])?,
+        ];
+        let are_opposed = ends[0].label != ends[1].label && ends[0].order[1] != ends[1].order[1];
+        are_opposed.then_some(Self { ends })
     }
 
     /// Whether a contour bounds the tube.
@@ -60,28 +69,26 @@ impl Tube {
 
     /// Adds the tube's triangles.
     pub fn triangulate(&self, contours: &Contours, out: &mut CellTriangles) {
-        let rings = [0, 1].map(|side: usize| self.ends[side].ring.map(|at| out.add_vertex(at)));
-        self.ends[0].triangulate(contours, rings[0], rings[1], out);
-        self.ends[1].triangulate(contours, rings[1], rings[0], out);
+        let [a, b] = &self.ends;
+        let [ring_a, ring_b] = [a, b].map(|end| end.ring.map(|at| out.add_vertex(at)));
+        a.triangulate(contours, ring_a, ring_b, out);
+        b.triangulate(contours, ring_b, ring_a, out);
     }
 }
 
 impl End {
-    /// The end at `near`, a corner of the roots' box off the hexagon; `far` is the opposite corner.
-    fn new(values: &[f64; 8], contours: &Contours, near: [f64; 3], far: [f64; 3]) -> Option<Self> {
+    /// The end around a corner of the cell; `near` and `far` are the box's corners that are not the hexagon's.
+    fn new(values: &[f64; 8], contours: &Contours, corner: [u8; 3], [near, far]: [[f64; 3]; 2]) -> Option<Self> {
         let ring = [0, 1, 2].map(|axis| {
             let mut at = near;
             at[axis] = far[axis];
             at
         });
-        let [x, y, z] = [0, 1, 2].map(|axis| segment_beside(values, contours, near, far, axis));
+        let [x, y, z] = [0, 1, 2].map(|axis| segment_met(values, contours, axis, corner[axis as usize]));
         let meets = [x?, y?, z?];
-        Some(Self {
-            label: contours.label[meets[0] as usize],
-            ring,
-            meets,
-            order: order_along(contours, meets)?,
-        })
+        let label = contours.label[meets[0] as usize];
+        let order = order_along(contours, meets)?;
+        Some(Self { label, ring, meets, order })
     }
 
     /// Adds the band from the contour to the corners `mine`, and the triangles of the hexagon beside it, which reach to `theirs`.
@@ -102,14 +109,11 @@ impl End {
     }
 }
 
-/// The first edge of the contour segment that the lines along `axis` meet on the face on the side of `near`.
-fn segment_beside(values: &[f64; 8], contours: &Contours, near: [f64; 3], far: [f64; 3], axis: usize) -> Option<u8> {
-    let along = (axis + 1) % 3;
-    let section = Section::new(values, along as u8, 0.5 * (near[along] + far[along]));
-    let side = u8::from(near[axis] > far[axis]);
-    let end = section.edge_on(section.side(axis as u8, side));
-    let face = 2 * axis as u8 + side;
-    let mut on_face = (0..12).filter(|&edge| contours.face[edge as usize] == face);
+/// The first edge of the contour segment that the hexagon's lines along `axis` meet on the lower (0) or upper (1) face.
+fn segment_met(values: &[f64; 8], contours: &Contours, axis: u8, side: u8) -> Option<u8> {
+    let section = Section::at_extreme(values, (axis + 1) % 3)?;
+    let end = section.edge_on(section.side(axis, side));
+    let mut on_face = (0..12).filter(|&edge| contours.face[edge as usize] == 2 * axis + side);
     on_face.find(|&edge| edge == end || contours.next[edge as usize] == end)
 }
 
