@@ -29,6 +29,12 @@ impl Random {
         if self.bits() & 1 == 1 { magnitude } else { -magnitude }
     }
 
+    /// Eight samples, of one size or of many.
+    pub fn cell(&mut self) -> [i64; 8] {
+        let logarithmic = self.bits() & 1 == 1;
+        std::array::from_fn(|_| self.generic(logarithmic))
+    }
+
     /// A whole number from -3 to 3: many zeros and ties.
     pub fn small(&mut self) -> i64 {
         self.below(7) as i64 - 3

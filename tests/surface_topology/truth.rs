@@ -11,15 +11,16 @@
 //! below 2⁶¹, so that all arithmetic is exact in `i64`. A level set that is not resolved then comes within about 2^−DEPTH of a
 //! saddle of the interpolant or of one of its sections; it is discarded, and counted.
 
-use crate::weld::{Groups, lower_corner};
+use std::ops::Range;
+
+use crate::weld::{Groups, Shape, lower_corner};
 
 /// How often an axis may be halved.
 const DEPTH: u32 = 14;
 
 /// The level set in one cell.
 pub struct Truth {
-    pub euler: i64,
-    pub components: usize,
+    pub shape: Shape,
     /// For each edge that the level set crosses, which component does; unspecified names.
     pub component_of_edge: [Option<usize>; 12],
 }
@@ -27,21 +28,29 @@ pub struct Truth {
 /// Two opposite corners in units of 2^−DEPTH.
 type Bounds = [[i64; 3]; 2];
 
-/// A cell and the discs found in it.
+/// A cell, the boxes of the discs found in it, and which of them hang together.
 struct Division<'a> {
     corners: &'a [i64; 8],
     discs: Vec<Bounds>,
+    joined: Vec<[usize; 2]>,
 }
 
 impl Truth {
     /// The truth for corner values of at most 2¹⁹ in size, zero counting as inside; `None` if it is not resolved.
     pub fn of(corners: &[i64; 8]) -> Option<Self> {
-        let mut division = Division { corners, discs: vec![] };
+        let mut division = Division {
+            corners,
+            discs: vec![],
+            joined: vec![],
+        };
         let euler = division.euler([[0; 3], [1 << DEPTH; 3]])?;
         let names = division.components();
         let component_of_edge = std::array::from_fn(|edge| division.crossing_disc(edge).map(|disc| names[disc]));
         let components = (0..names.len()).filter(|&disc| names[disc] == disc).count();
-        Some(Self { euler, components, component_of_edge })
+        Some(Self {
+            shape: Shape { euler, components },
+            component_of_edge,
+        })
     }
 }
 
@@ -75,20 +84,36 @@ impl Division<'_> {
         lower[1][axis] = middle;
         upper[0][axis] = middle;
         let section = self.part([upper[0], lower[1]]);
-        Some(self.euler(lower)? + self.euler(upper)? - arcs(&section, axis))
+        let first = self.discs.len();
+        let of_lower = self.euler(lower)?;
+        let second = self.discs.len();
+        let of_upper = self.euler(upper)?;
+        self.join(axis, middle, [first..second, second..self.discs.len()]);
+        Some(of_lower + of_upper - arcs(&section, axis))
+    }
+
+    /// Joins discs on both sides of a section that meet in it.
+    fn join(&mut self, axis: usize, middle: i64, sides: [Range<usize>; 2]) {
+        let touching = |side: usize| {
+            let discs = sides[side].clone();
+            let touching = discs.filter(|&disc| self.discs[disc][1 - side][axis] == middle);
+            touching.collect::<Vec<_>>()
+        };
+        let [lower, upper] = [touching(0), touching(1)];
+        let pairs = lower.iter().flat_map(|&a| upper.iter().map(move |&b| [a, b]));
+        let meet = |pair: &[usize; 2]| {
+            let face = overlap(&self.discs[pair[0]], &self.discs[pair[1]]);
+            (0..3).all(|k| k == axis || face[0][k] < face[1][k]) && is_met(&self.part(face))
+        };
+        let met: Vec<_> = pairs.filter(meet).collect();
+        self.joined.extend(met);
     }
 
     /// For each disc, one disc of its component.
     fn components(&self) -> Vec<usize> {
         let mut groups = Groups::new(self.discs.len());
-        for (k, a) in self.discs.iter().enumerate() {
-            for (n, b) in self.discs[..k].iter().enumerate() {
-                if shared(a, b).is_some_and(|face| is_met(&self.part(face))) {
-                    groups.join(k, n);
-                }
-            }
-        }
-        (0..self.discs.len()).map(|k| groups.root(k)).collect()
+        self.joined.iter().for_each(|&[a, b]| groups.join(a, b));
+        (0..self.discs.len()).map(|disc| groups.root(disc)).collect()
     }
 
     /// The disc that crosses an edge of the cell.
@@ -106,14 +131,6 @@ impl Division<'_> {
 fn overlap(a: &Bounds, b: &Bounds) -> Bounds {
     let ends = |axis: usize| [a[0][axis].max(b[0][axis]), a[1][axis].min(b[1][axis])];
     [0, 1].map(|end| [0, 1, 2].map(|axis| ends(axis)[end]))
-}
-
-/// The rectangle that two boxes without common inside share.
-fn shared(a: &Bounds, b: &Bounds) -> Option<Bounds> {
-    let face = overlap(a, b);
-    let widths = [0, 1, 2].map(|axis| face[1][axis] - face[0][axis]);
-    let is_rectangle = widths.iter().all(|&w| w >= 0) && widths.iter().filter(|&&w| w == 0).count() == 1;
-    is_rectangle.then_some(face)
 }
 
 /// Whether both signs are there.
@@ -140,7 +157,9 @@ fn is_disc(part: &[i64; 8]) -> bool {
         a == c && b == d && a != b
     };
     let is_monotone = |axis: usize| {
-        let steps = (0..8).filter(|c| c >> axis & 1 == 0).map(|c| part[c | 1 << axis] - part[c]);
+        let steps = (0..8)
+            .filter(|c| c >> axis & 1 == 0)
+            .map(|c| part[c | 1 << axis] - part[c]);
         steps.map(i64::signum).sum::<i64>().abs() == 4
     };
     !(0..3).any(|axis| alternates(axis, 0) || alternates(axis, 1)) && (0..3).any(is_monotone)

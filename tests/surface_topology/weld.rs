@@ -5,9 +5,9 @@ use std::collections::HashSet;
 use vcsg::surface::trilinear::triangulate;
 
 /// Samples less the isovalue, `n` an axis, x fastest.
-pub struct Field {
+pub struct Field<T> {
     pub n: usize,
-    pub values: Vec<f64>,
+    pub values: Vec<T>,
 }
 
 /// Triangles with vertices that cells share.
@@ -25,19 +25,19 @@ pub struct Shape {
     pub components: usize,
 }
 
-impl Field {
-    pub fn value(&self, [x, y, z]: [usize; 3]) -> f64 {
-        self.values[x + self.n * (y + self.n * z)]
+impl<T: Copy> Field<T> {
+    pub fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        x + self.n * (y + self.n * z)
     }
 
     /// The lower corners of all cells.
-    pub fn cells(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
+    pub fn cells(&self) -> impl Iterator<Item = [usize; 3]> + use<T> {
         let m = self.n - 1;
         (0..m * m * m).map(move |k| [k % m, k / m % m, k / (m * m)])
     }
 
-    pub fn corners(&self, cell: [usize; 3]) -> [f64; 8] {
-        std::array::from_fn(|c| self.value(moved(cell, c)))
+    pub fn corners(&self, cell: [usize; 3]) -> [T; 8] {
+        std::array::from_fn(|c| self.values[self.index(moved(cell, c))])
     }
 }
 
@@ -56,37 +56,41 @@ pub fn lower_corner(edge: usize) -> usize {
     }
 }
 
+/// One bit for each of the cell's faces in which an edge lies.
+pub fn faces_of(edge: u8) -> u8 {
+    let lower = lower_corner(edge as usize);
+    let across = (0..3).filter(|&axis| axis != edge / 4);
+    across.fold(0, |faces, axis| faces | 1 << (2 * axis + (lower >> axis & 1) as u8))
+}
+
 impl Welded {
-    pub fn extract(field: &Field) -> Self {
-        let n = field.n;
-        let mut id_of_edge = vec![u32::MAX; 3 * n * n * n];
+    pub fn extract(field: &Field<f64>) -> Self {
+        let mut ids = vec![u32::MAX; 3 * field.values.len()];
         let mut welded = Self::default();
         for cell in field.cells() {
             let found = triangulate(&field.corners(cell));
             let first_interior = welded.border.len() as u32;
             welded.border.extend(found.interior().iter().map(|_| 0));
             for triangle in found.triangles() {
-                let ids = triangle.map(|v| match (v as usize).checked_sub(12) {
+                let triangle = triangle.map(|v| match (v as usize).checked_sub(12) {
                     Some(k) => first_interior + k as u32,
-                    None => welded.shared(&mut id_of_edge, n, cell, v as usize),
+                    None => welded.shared(&mut ids, field, cell, v as usize),
                 });
-                welded.triangles.push(ids);
+                welded.triangles.push(triangle);
             }
         }
         welded
     }
 
     /// The vertex on an edge of a cell.
-    fn shared(&mut self, ids: &mut [u32], n: usize, cell: [usize; 3], edge: usize) -> u32 {
-        let [x, y, z] = moved(cell, lower_corner(edge));
-        let id = &mut ids[edge / 4 + 3 * (x + n * (y + n * z))];
+    fn shared(&mut self, ids: &mut [u32], field: &Field<f64>, cell: [usize; 3], edge: usize) -> u32 {
+        let at = moved(cell, lower_corner(edge));
+        let id = &mut ids[edge / 4 + 3 * field.index(at)];
         if *id == u32::MAX {
             *id = self.border.len() as u32;
-            let faces = (0..3).filter(|&axis| axis != edge / 4).map(|axis| {
-                let at = [x, y, z][axis];
-                u8::from(at == 0) << (2 * axis) | u8::from(at == n - 1) << (2 * axis + 1)
-            });
-            self.border.push(faces.fold(0, |all, face| all | face));
+            let on_face = |face: usize| at[face / 2] == (face % 2) * (field.n - 1) && face / 2 != edge / 4;
+            self.border
+                .push((0..6).fold(0, |faces, face| faces | u8::from(on_face(face)) << face));
         }
         *id
     }
@@ -147,7 +151,9 @@ impl Welded {
 
 fn is_one_piece(link: &[(u32, u32)]) -> bool {
     let begins = |&&(b, _): &&(u32, u32)| link.iter().all(|&(_, c)| c != b);
-    let Some(&start) = link.iter().find(begins).or(link.first()) else { return true };
+    let Some(&start) = link.iter().find(begins).or(link.first()) else {
+        return true;
+    };
     let mut at = start.1;
     let mut passed = 1;
     while let Some(&(_, next)) = link.iter().find(|&&(b, _)| b == at && at != start.0) {

@@ -14,6 +14,27 @@ pub(super) const FACES: [[u8; 4]; 6] = [
     [4, 5, 7, 6],
 ];
 
+/// The edges of each face: the one from each corner of [`FACES`] to the next.
+pub(super) const FACE_EDGES: [[u8; 4]; 6] = [
+    [8, 6, 10, 4],
+    [5, 11, 7, 9],
+    [0, 9, 2, 8],
+    [10, 3, 11, 1],
+    [4, 1, 5, 0],
+    [2, 7, 3, 6],
+];
+
+/// One bit for each of the two faces that meet in each edge.
+const FACES_OF_EDGE: [u8; 12] = {
+    let mut faces = [0; 12];
+    let mut k = 0;
+    while k < 24 {
+        faces[FACE_EDGES[k / 4][k % 4] as usize] |= 1 << (k / 4);
+        k += 1;
+    }
+    faces
+};
+
 /// Whether a value counts as inside: zero lies infinitesimally above the surface.
 pub(super) fn is_inside(value: f64) -> bool {
     value >= 0.0
@@ -44,14 +65,7 @@ pub(super) fn edge_corners(edge: u8) -> [u8; 2] {
 
 /// Whether two edges lie on a common face, so that a chord between their vertices would lie in it.
 pub(super) fn share_a_face(a: u8, b: u8) -> bool {
-    faces_of(a) & faces_of(b) != 0
-}
-
-/// One bit for each of the two faces that meet in an edge.
-fn faces_of(edge: u8) -> u8 {
-    let lower = edge_corners(edge)[0];
-    let sides = (0..3).filter(|&axis| axis != edge / 4);
-    sides.fold(0, |faces, axis| faces | 1 << (2 * axis + (lower >> axis & 1)))
+    FACES_OF_EDGE[a as usize] & FACES_OF_EDGE[b as usize] != 0
 }
 
 /// Where the interpolant is zero on an edge whose ends differ in sign, in the unit cell.
@@ -77,4 +91,38 @@ pub(super) fn sample(values: &[f64; 8], at: [f64; 3]) -> (f64, [f64; 3]) {
         }
     }
     (value, gradient)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_and_edges_are_numbered_as_documented() {
+        for (face, (corners, edges)) in FACES.iter().zip(FACE_EDGES).enumerate() {
+            let (axis, side) = (face / 2, face as u8 % 2);
+            assert!(corners.iter().all(|c| c >> axis & 1 == side), "face {face}");
+            for k in 0..4 {
+                let [a, b] = [corners[k], corners[(k + 1) % 4]];
+                assert_eq!(edges[k], edge_between(a, b), "face {face}");
+                assert_eq!(edge_corners(edges[k]), [a.min(b), a.max(b)], "face {face}");
+            }
+        }
+        assert_eq!(edge_between(1, 3), 4 + 1);
+        assert_eq!(edge_between(4, 5), 2);
+        assert_eq!(edge_between(2, 6), 8 + 2);
+    }
+
+    #[test]
+    fn the_gradient_is_the_slope_of_the_interpolant() {
+        let values = [3.0, -1.0, 4.0, 1.0, -5.0, 9.0, 2.0, -6.0];
+        let at = [0.25, 0.5, 0.75];
+        for axis in 0..3 {
+            // The interpolant is linear along an axis; all numbers are exact in binary.
+            let mut ahead = at;
+            ahead[axis] += 0.125;
+            let slope = (sample(&values, ahead).0 - sample(&values, at).0) / 0.125;
+            assert_eq!(slope, sample(&values, at).1[axis], "axis {axis}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The closed contours in which the level set meets the faces of a cell.
 
-use super::cell::{FACES, edge_between, is_inside};
+use super::cell::{FACE_EDGES, FACES, is_inside};
 
 /// In the place of an edge that the surface does not cross.
 pub(super) const NONE: u8 = u8::MAX;
@@ -54,17 +54,20 @@ impl Contours {
     /// Adds the segments on a face: each goes from where the walk around the face enters the inside to where it leaves it, either
     /// after the same run of inside corners or, where the inside is joined across the face, before it.
     fn add_face(&mut self, values: &[f64; 8], face: u8) {
-        let corners = FACES[face as usize];
-        let around = corners.map(|c| values[c as usize]);
+        let around = FACES[face as usize].map(|c| values[c as usize]);
+        let edges = FACE_EDGES[face as usize];
         let inside = around.map(is_inside);
-        let step = if alternate(inside) && joins(around, inside[0]) { 3 } else { 1 };
-        let edge = |k: usize| edge_between(corners[k], corners[(k + 1) % 4]);
+        let step = if alternate(inside) && joins(around, inside[0]) {
+            3
+        } else {
+            1
+        };
         let leaves = |k: &usize| inside[*k] && !inside[(*k + 1) % 4];
         for entry in (0..4).filter(|&k| !inside[k] && inside[(k + 1) % 4]) {
             let exit = (1..4).map(|n| (entry + n * step) % 4).find(leaves);
             let exit = exit.expect("a closed walk that enters the inside leaves it");
-            self.next[edge(entry) as usize] = edge(exit);
-            self.face[edge(entry) as usize] = face;
+            self.next[edges[entry] as usize] = edges[exit];
+            self.face[edges[entry] as usize] = face;
         }
     }
 

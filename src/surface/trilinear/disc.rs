@@ -1,7 +1,7 @@
 //! Discs: contours that bound a sheet of their own.
 
-use super::CellTriangles;
 use super::cell::{crossing, sample, share_a_face};
+use super::triangles::CellTriangles;
 
 /// Steps towards the level set from a contour's centroid; each roughly squares the distance.
 const STEPS: usize = 4;

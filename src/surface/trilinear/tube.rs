@@ -11,9 +11,9 @@
 //! two segments that its lines meet; six triangles within the hexagon join both sides. Which vertices belong together is read
 //! from signs, not from distances, so that the tube is in order even where it is infinitely thin.
 
-use super::CellTriangles;
 use super::contour::Contours;
 use super::section::{Saddles, Section};
+use super::triangles::CellTriangles;
 
 /// The axis across which sections are examined. Every axis sees a tunnel.
 const AXIS: u8 = 2;
@@ -38,6 +38,9 @@ struct End {
 impl Tube {
     /// The tube through a cell, if there is one.
     pub fn find(values: &[f64; 8], contours: &Contours) -> Option<Self> {
+        if contours.firsts().len() < 2 {
+            return None;
+        }
         let section = Section::at_extreme(values, AXIS).filter(Section::is_ambiguous)?;
         let column = section.bridged();
         let label = |axis, side| contours.label[section.edge_on(section.side(axis, side)) as usize];
@@ -88,7 +91,12 @@ impl End {
         let meets = [x?, y?, z?];
         let label = contours.label[meets[0] as usize];
         let order = order_along(contours, meets)?;
-        Some(Self { label, ring, meets, order })
+        Some(Self {
+            label,
+            ring,
+            meets,
+            order,
+        })
     }
 
     /// Adds the band from the contour to the corners `mine`, and the triangles of the hexagon beside it, which reach to `theirs`.
