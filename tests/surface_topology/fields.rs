@@ -70,6 +70,6 @@ pub fn orient<T: Copy>(cell: &[T; 8], orientation: usize) -> [T; 8] {
     let order = ORDERS[orientation / 8];
     std::array::from_fn(|c| {
         let turned = (0..3).fold(0, |turned, axis| turned | (c >> axis & 1) << order[axis]);
-        cell[turned ^ orientation % 8]
+        cell[turned ^ (orientation % 8)]
     })
 }

@@ -57,11 +57,7 @@ impl Contours {
         let around = FACES[face as usize].map(|c| values[c as usize]);
         let edges = FACE_EDGES[face as usize];
         let inside = around.map(is_inside);
-        let step = if alternate(inside) && joins(around, inside[0]) {
-            3
-        } else {
-            1
-        };
+        let step = if alternate(inside) && joins(around) { 3 } else { 1 };
         let leaves = |k: &usize| inside[*k] && !inside[(*k + 1) % 4];
         for entry in (0..4).filter(|&k| !inside[k] && inside[(k + 1) % 4]) {
             let exit = (1..4).map(|n| (entry + n * step) % 4).find(leaves);
@@ -95,7 +91,7 @@ pub(super) fn alternate([a, b, c, d]: [bool; 4]) -> bool {
 /// The bilinear interpolant's saddle has the sign of the product of the inside corners less that of the outside corners. Products
 /// commute bit for bit, so that the two cells at a face decide alike; equal products join the inside, as they would if all values
 /// were a little larger.
-pub(super) fn joins(around: [f64; 4], first_is_inside: bool) -> bool {
+pub(super) fn joins(around: [f64; 4]) -> bool {
     let (even, odd) = (around[0] * around[2], around[1] * around[3]);
-    if first_is_inside { even >= odd } else { odd >= even }
+    if is_inside(around[0]) { even >= odd } else { odd >= even }
 }

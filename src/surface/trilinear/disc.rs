@@ -35,7 +35,7 @@ fn center(values: &[f64; 8], contour: &[u8]) -> [f64; 3] {
         let (value, gradient) = sample(values, at);
         let square: f64 = gradient.iter().map(|g| g * g).sum();
         let next = [0, 1, 2].map(|axis| at[axis] - value * gradient[axis] / square);
-        let is_inside = next.iter().all(|x| (0.0..1.0).contains(x) && *x > 0.0);
+        let is_inside = next.iter().all(|&x| 0.0 < x && x < 1.0);
         if !is_inside || sample(values, next).0.abs() >= value.abs() {
             break;
         }

@@ -43,6 +43,15 @@ static PLAIN: LazyLock<[Option<CellTriangles>; 256]> =
 ///
 /// Any values give a manifold; NaN counts as outside. Its topology is the interpolant's where sixth powers of the values neither
 /// overflow nor vanish (sizes from 1e-50 to 1e50 always do well), up to rounding in decisions that are closer than that.
+///
+/// ```
+/// use vcsg::surface::trilinear::triangulate;
+///
+/// // One corner inside is cut off by a triangle across its three edges: 0, 4 and 8.
+/// let found = triangulate(&[1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0, -1.0]);
+/// let &[triangle] = found.triangles() else { unreachable!() };
+/// assert_eq!(triangle.iter().sum::<u8>(), 12);
+/// ```
 pub fn triangulate(values: &[f64; 8]) -> CellTriangles {
     PLAIN[cell::signs(values) as usize].unwrap_or_else(|| resolve(values))
 }

@@ -11,8 +11,6 @@ pub(super) struct Section<'a> {
     axis: u8,
     /// The interpolant on each column, times a positive number.
     at: [f64; 4],
-    /// Whether it is inside there.
-    inside: [bool; 4],
     /// Where the section is, 0 to 1.
     height: f64,
     /// How far above and below it the decider is zero; 0 if it is nowhere.
@@ -22,26 +20,23 @@ pub(super) struct Section<'a> {
 impl<'a> Section<'a> {
     /// The section, if there is one strictly within the cell.
     ///
-    /// The decider is a quadratic in the height. With all values a little larger its extreme moves; where the interpolant is zero,
-    /// the sign is that of the motion. Multiplied by its denominator, all is exact for small whole numbers.
+    /// The decider is a quadratic in the height. Values are kept times the denominator of its extreme's height, so that all is
+    /// exact for small whole numbers. Zero on a column counts as inside as elsewhere, although the extreme moves when all values
+    /// grow a little: the tunnel would have to open at a height where the interpolant is zero on a column of each kind, and there
+    /// the decider, linear in the height up to terms of higher order, has one root only.
     pub fn at_extreme(values: &'a [f64; 8], axis: u8) -> Option<Self> {
-        let column = columns(values, axis);
-        let lower = column.map(|[lower, _]| lower);
-        let slope = column.map(|[lower, upper]| upper - lower);
+        let [lower, slope] = lines(values, axis);
         let bend = decider(slope, slope);
         let scale = 2.0 * bend.abs();
         let height = -(decider(lower, slope) + decider(slope, lower)) * bend.signum();
-        let motion = (slope[1] + slope[2] - slope[0] - slope[3]) * bend.signum();
         if !(0.0 < height && height < scale) {
             return None;
         }
         let at = [0, 1, 2, 3].map(|k| lower[k] * scale + slope[k] * height);
-        let inside = |k: usize| at[k] > 0.0 || at[k] == 0.0 && scale + slope[k] * motion >= 0.0;
         Some(Self {
             values,
             axis,
             at,
-            inside: [0, 1, 2, 3].map(inside),
             height: height / scale,
             reach: (-decider(at, at) / bend).max(0.0).sqrt() / scale,
         })
@@ -49,13 +44,13 @@ impl<'a> Section<'a> {
 
     /// Whether the signs of the corners alternate.
     pub fn is_ambiguous(&self) -> bool {
-        alternate(cyclic(self.inside))
+        alternate(cyclic(self.at.map(is_inside)))
     }
 
     /// The first of the two columns that the level set's arcs in this ambiguous section do not cut off: 0 or 1. The other is the
     /// opposite one.
     pub fn bridged(&self) -> u8 {
-        u8::from(self.inside[0] != joins(cyclic(self.at), self.inside[0]))
+        u8::from(is_inside(self.at[0]) != joins(cyclic(self.at)))
     }
 
     /// The two columns on the lower (0) or upper (1) face across another axis.
@@ -69,7 +64,7 @@ impl<'a> Section<'a> {
     ///
     /// Along the section the interpolant is linear between the columns, so that there is one such segment.
     pub fn edge_on(&self, [i, j]: [u8; 2]) -> u8 {
-        let signs = [i, j].map(|column| self.inside[column as usize]);
+        let signs = [i, j].map(|column| is_inside(self.at[column as usize]));
         let [a, b] = [i, j].map(|column| edge_corners(4 * self.axis + column));
         let rim = (0..2).find(|&k| [a[k], b[k]].map(|c| is_inside(self.values[c as usize])) == signs);
         rim.map_or(4 * self.axis + i, |k| edge_between(a[k], b[k]))
@@ -90,11 +85,8 @@ pub(super) struct Saddles {
 impl Saddles {
     /// The saddles of a cell along `axis`.
     pub fn new(values: &[f64; 8], axis: u8) -> Self {
-        let column = columns(values, axis);
-        Self {
-            lower: column.map(|[lower, _]| lower),
-            slope: column.map(|[lower, upper]| upper - lower),
-        }
+        let [lower, slope] = lines(values, axis);
+        Self { lower, slope }
     }
 
     /// The saddle at a height where it lies in the cell, along the two other axes in increasing order; 0 to 1.
@@ -112,7 +104,7 @@ impl Saddles {
     }
 }
 
-/// Half the asymptotic decider's bilinear form; of one section's corners twice, its decider.
+/// The asymptotic decider of a section's corners, given twice. It is bilinear, so that the decider of sums has mixed terms.
 fn decider(a: [f64; 4], b: [f64; 4]) -> f64 {
     a[0] * b[3] - a[1] * b[2]
 }
@@ -122,7 +114,8 @@ fn cyclic<T: Copy>([a, b, c, d]: [T; 4]) -> [T; 4] {
     [a, b, d, c]
 }
 
-/// The values at the lower and upper end of each column.
-fn columns(values: &[f64; 8], axis: u8) -> [[f64; 2]; 4] {
-    [0, 1, 2, 3].map(|column| edge_corners(4 * axis + column).map(|c| values[c as usize]))
+/// The value at the lower end of each column and its growth up to the upper end.
+fn lines(values: &[f64; 8], axis: u8) -> [[f64; 4]; 2] {
+    let ends = [0, 1, 2, 3].map(|column| edge_corners(4 * axis + column).map(|c| values[c as usize]));
+    [ends.map(|[lower, _]| lower), ends.map(|[lower, upper]| upper - lower)]
 }

@@ -61,6 +61,7 @@ impl Tube {
             End::new(values, contours, corner, [near, far])?,
             End::new(values, contours, opposite, [far, near])?,
         ];
+        // Rounding may leave nothing that fits together; the contours then keep their discs.
         let are_opposed = ends[0].label != ends[1].label && ends[0].order[1] != ends[1].order[1];
         are_opposed.then_some(Self { ends })
     }
