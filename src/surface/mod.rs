@@ -7,6 +7,7 @@ mod inside;
 pub mod io;
 mod mesh;
 mod slices;
+pub mod trilinear;
 mod vertices;
 mod weld;
 
