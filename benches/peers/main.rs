@@ -129,6 +129,11 @@ impl Report {
         let resampling = self.resampling.iter().map(|c| &c.bar);
         let memory = self.memory.iter().map(|m| &m.bar);
         let surfaces = self.surfaces.iter().flat_map(|c| &c.bars);
-        frames.chain(rates).chain(resampling).chain(memory).chain(surfaces).collect()
+        frames
+            .chain(rates)
+            .chain(resampling)
+            .chain(memory)
+            .chain(surfaces)
+            .collect()
     }
 }

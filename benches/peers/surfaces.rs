@@ -78,10 +78,24 @@ pub struct Comparison {
 
 /// Compares on all volumes; each comparison is printed when it is done.
 pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
-    println!("\nSurfaces with normals; milliseconds, and how many times as fast as one thread, vtkFlyingEdges3D, vtkMarchingCubes");
+    println!(
+        "\nSurfaces with normals; milliseconds, and how many times as fast as one thread, vtkFlyingEdges3D, vtkMarchingCubes"
+    );
     println!(
         "{:<16} {:>10} {:>8} {:>8} {:>8} | {:>8} {:>7} | {:>8} {:>7} {:>6} | {:>8} {:>7} {:>6}",
-        "", "triangles", "median", "min", "CPU", "1 thread", "times", "FE med", "times", "CPU", "MC med", "times", "CPU"
+        "",
+        "triangles",
+        "median",
+        "min",
+        "CPU",
+        "1 thread",
+        "times",
+        "FE med",
+        "times",
+        "CPU",
+        "MC med",
+        "times",
+        "CPU"
     );
     let mut done = Vec::new();
     for case in &CASES {
@@ -123,13 +137,19 @@ impl Case {
 
     /// A whole number for bytes, so that many voxels have the isovalue itself.
     fn iso(&self) -> f64 {
-        if self.voxels == "u8" { (255.0 * ISO).round() } else { ISO }
+        if self.voxels == "u8" {
+            (255.0 * ISO).round()
+        } else {
+            ISO
+        }
     }
 
     fn compare(&self, repetitions: usize) -> Outcome<Comparison> {
         let grid = self.grid()?;
         let path = format!("target/bench/{}-{}.{}", self.field, self.side, self.voxels);
-        write_whole(Path::new(&path), |out| std::io::Write::write_all(out, bytes(grid.voxels())))?;
+        write_whole(Path::new(&path), |out| {
+            std::io::Write::write_all(out, bytes(grid.voxels()))
+        })?;
         let mut peers = Vec::new();
         for (method, _) in BARS {
             peers.push(self.peer(&path, method)?);
@@ -192,7 +212,10 @@ impl Case {
             value,
             limit: Limit::AtLeast(limit),
         };
-        let peers = against.iter().zip(BARS).map(|(a, (method, limit))| bar(method, a.faster.median, limit));
+        let peers = against
+            .iter()
+            .zip(BARS)
+            .map(|(a, (method, limit))| bar(method, a.faster.median, limit));
         peers.chain([bar("one thread", threads.median, TWO_THREADS)]).collect()
     }
 }
@@ -219,7 +242,12 @@ impl Comparison {
             one.median_s / o.median_s,
         );
         for a in &self.against {
-            print!(" | {:8.1} {:7.2} {:6.2}", a.theirs.median_s * 1e3, a.faster.median, a.faster.cpu);
+            print!(
+                " | {:8.1} {:7.2} {:6.2}",
+                a.theirs.median_s * 1e3,
+                a.faster.median,
+                a.faster.cpu
+            );
         }
         println!();
     }

@@ -206,11 +206,7 @@ pub(super) const CORNER_EDGES: [[u8; 3]; 8] = {
     let mut edges = [[0; 3]; 8];
     let mut c = 0;
     while c < 8 {
-        edges[c as usize] = [
-            edge_between(c, c ^ 1),
-            edge_between(c, c ^ 2),
-            edge_between(c, c ^ 4),
-        ];
+        edges[c as usize] = [edge_between(c, c ^ 1), edge_between(c, c ^ 2), edge_between(c, c ^ 4)];
         c += 1;
     }
     edges
@@ -251,8 +247,13 @@ mod tests {
             let enters = |[a, b]: [u8; 2]| !inside(a) && inside(b);
             for n in (0..4).filter(|&n| leaves(sides[n])) {
                 let back = (1..4).map(|d| (n + 4 - d) % 4).find(|&m| enters(sides[m]));
-                let [from, to] = [sides[back.expect("the walk came in somewhere")], sides[n]].map(|[a, b]| edge_between(a, b));
-                assert_eq!(segments.insert(from, to), None, "case {case}: two segments leave edge {from}");
+                let [from, to] =
+                    [sides[back.expect("the walk came in somewhere")], sides[n]].map(|[a, b]| edge_between(a, b));
+                assert_eq!(
+                    segments.insert(from, to),
+                    None,
+                    "case {case}: two segments leave edge {from}"
+                );
             }
         }
         segments
@@ -263,7 +264,11 @@ mod tests {
         let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
         let base = upper << axis;
         let round = [base, base | u, base | u | v, base | v];
-        if upper == 1 { round } else { [round[0], round[3], round[2], round[1]] }
+        if upper == 1 {
+            round
+        } else {
+            [round[0], round[3], round[2], round[1]]
+        }
     }
 
     #[test]
@@ -281,7 +286,11 @@ mod tests {
             assert_eq!(border.len(), open.len(), "case {n}: {open:?}");
             assert_eq!(border, contour(n), "case {n}: {triangles:?}");
             // Triangles that fill a polygon of n sides without inner vertices are n - 2.
-            assert_eq!(triangles.len(), border.len() - 2 * loops(&border), "case {n}: {triangles:?}");
+            assert_eq!(
+                triangles.len(),
+                border.len() - 2 * loops(&border),
+                "case {n}: {triangles:?}"
+            );
         }
     }
 

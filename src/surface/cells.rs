@@ -236,7 +236,11 @@ fn triangles_through(case: &Case, on: usize) -> u32 {
 #[inline(always)]
 fn corners(edges: &[u8; 3], vertices: &[u32; 12]) -> [u32; 3] {
     let [a, b, c] = *edges;
-    [vertices[usize::from(a)], vertices[usize::from(b)], vertices[usize::from(c)]]
+    [
+        vertices[usize::from(a)],
+        vertices[usize::from(b)],
+        vertices[usize::from(c)],
+    ]
 }
 
 /// Whether no two corners are one.
@@ -265,7 +269,9 @@ pub(super) fn connect(rows: &InsideRows, k: usize, plan: [&[RowPlan]; 2], triang
                 }
                 for edges in &case.triangles[..usize::from(case.count)] {
                     let triangle = corners(edges, &vertices);
-                    if is_whole(triangle) && let Some(place) = places.next() {
+                    if is_whole(triangle)
+                        && let Some(place) = places.next()
+                    {
                         *place = triangle;
                     }
                 }

@@ -122,7 +122,8 @@ impl Plan {
                 row.triangles = count.triangles > 0;
                 triangles += u64::from(count.triangles);
             }
-            plan.before.push([countable(vertices, "vertices")?, countable(triangles, "triangles")?]);
+            plan.before
+                .push([countable(vertices, "vertices")?, countable(triangles, "triangles")?]);
         }
         Ok(plan)
     }

@@ -53,7 +53,10 @@ impl InsideRows {
     fn classify_and_find<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T) {
         let words_a_slice = self.words_a_row() * self.dims[1];
         let mut on = vec![0; self.inside.len()];
-        let tasks = self.inside.par_chunks_mut(words_a_slice).zip(on.par_chunks_mut(words_a_slice));
+        let tasks = self
+            .inside
+            .par_chunks_mut(words_a_slice)
+            .zip(on.par_chunks_mut(words_a_slice));
         let finite = tasks
             .enumerate()
             .map(|(k, (inside, on))| classify_and_find(slices.slice(k), slices.dims[0], iso, inside, on))
@@ -84,7 +87,11 @@ impl InsideRows {
                 let before = here[w] << 1 | if w > 0 { here[w - 1] >> 63 } else { 1 };
                 let after = here[w] >> 1 | here.get(w + 1).map_or(1 << 63, |next| next << 63);
                 let last = self.dims[0] - 1;
-                let after = if last / 64 == w { after | 1 << (last % 64) } else { after };
+                let after = if last / 64 == w {
+                    after | 1 << (last % 64)
+                } else {
+                    after
+                };
                 let inside = rows.iter().fold(before & after, |inside, row| inside & row[w]);
                 *word &= !inside;
             }
@@ -102,17 +109,18 @@ impl InsideRows {
     #[inline(always)]
     pub fn on(&self, j: usize, k: usize) -> &[u64] {
         let words = self.words_a_row();
-        self.on.get(words * (j + self.dims[1] * k)..).map_or(&[], |rows| &rows[..words.min(rows.len())])
+        self.on
+            .get(words * (j + self.dims[1] * k)..)
+            .map_or(&[], |rows| &rows[..words.min(rows.len())])
     }
 }
 
 /// Fills `inside` with the bits of the rows of `width` voxels that `voxels` holds.
-#[multiversion::multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
-    "x86_64+avx2"
-))]
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &mut [u64]) {
-    let rows = voxels.chunks_exact(width).zip(inside.chunks_exact_mut(width.div_ceil(64)));
+    let rows = voxels
+        .chunks_exact(width)
+        .zip(inside.chunks_exact_mut(width.div_ceil(64)));
     for (row, inside) in rows {
         let (whole, rest) = row.as_chunks::<64>();
         for (chunk, word) in whole.iter().zip(inside.iter_mut()) {
@@ -125,10 +133,7 @@ fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &m
 }
 
 /// [`classify`], and the bits of the voxels that are `iso`; returns whether all are finite.
-#[multiversion::multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
-    "x86_64+avx2"
-))]
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn classify_and_find<T: Voxel>(voxels: &[T], width: usize, iso: T, inside: &mut [u64], on: &mut [u64]) -> bool {
     let words = width.div_ceil(64);
     let words = inside.chunks_exact_mut(words).zip(on.chunks_exact_mut(words));
@@ -195,7 +200,11 @@ mod tests {
             for (n, row) in voxels.chunks(width).enumerate() {
                 let bit = |i: usize| rows.row(n, 0).get(i / 64).is_some_and(|w| w >> (i % 64) & 1 == 1);
                 for i in 0..width.div_ceil(64) * 64 {
-                    assert_eq!(bit(i), row.get(i).is_some_and(|v| *v >= 5.0), "width {width}, row {n}, voxel {i}");
+                    assert_eq!(
+                        bit(i),
+                        row.get(i).is_some_and(|v| *v >= 5.0),
+                        "width {width}, row {n}, voxel {i}"
+                    );
                 }
             }
         }

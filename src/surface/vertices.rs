@@ -124,7 +124,11 @@ impl<T: Voxel> Batch<T> {
     fn gradient(&self, end: usize, a: usize, n: usize) -> f64 {
         let [lower, upper] = NEIGHBOURS[a];
         let values = &self.values[end];
-        let scale = if a == 0 { self.x_scale[end][n] } else { self.yz_scale[end][a - 1] };
+        let scale = if a == 0 {
+            self.x_scale[end][n]
+        } else {
+            self.yz_scale[end][a - 1]
+        };
         scale * (values[upper][n].to_f64() - values[lower][n].to_f64())
     }
 
@@ -139,11 +143,21 @@ impl<T: Voxel> Batch<T> {
         let k = self.slice as f64;
         for n in 0..LANES {
             let (lower, upper) = (self.value(0, n), self.value(1, n));
-            let t = if self.kind == ON_VOXELS { 0.0 } else { (level.iso - lower) / (upper - lower) };
+            let t = if self.kind == ON_VOXELS {
+                0.0
+            } else {
+                (level.iso - lower) / (upper - lower)
+            };
             let x = (self.index[0][n] + t * direction[0]) as f32;
             let y = (self.index[1][n] + t * direction[1]) as f32;
             let z = (k + t * direction[2]) as f32;
-            out.along[n] = if self.kind == 0 { x } else if self.kind == 1 { y } else { z };
+            out.along[n] = if self.kind == 0 {
+                x
+            } else if self.kind == 1 {
+                y
+            } else {
+                z
+            };
             let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
             // Terms are added in the order in which VTK adds them.
             for a in 0..3 {
@@ -175,12 +189,20 @@ impl<T: Voxel> Batch<T> {
         let places = sink.written..sink.written + self.len;
         let positions = sink.positions[places.clone()].iter_mut();
         for (n, (position, normal)) in positions.zip(&mut sink.normals[places]).enumerate() {
-            *position = [vertices.positions[0][n], vertices.positions[1][n], vertices.positions[2][n]];
+            *position = [
+                vertices.positions[0][n],
+                vertices.positions[1][n],
+                vertices.positions[2][n],
+            ];
             *normal = [vertices.normals[0][n], vertices.normals[1][n], vertices.normals[2][n]];
         }
         let edges = if self.kind == ON_VOXELS { 0 } else { self.len };
         for n in 0..edges {
-            let lower = if self.kind == 2 { self.slice as f32 } else { self.index[self.kind][n] as f32 };
+            let lower = if self.kind == 2 {
+                self.slice as f32
+            } else {
+                self.index[self.kind][n] as f32
+            };
             let ends = [vertices.along[n] == lower, vertices.along[n] == lower + 1.0];
             if ends[0] || ends[1] {
                 let mut voxel = [self.index[0][n] as u64, self.index[1][n] as u64, self.slice as u64];

@@ -110,7 +110,11 @@ fn regular_f32(v: f32) -> f32 {
 
 fn not_below_f32(v: f64) -> f32 {
     let nearest = v as f32;
-    if f64::from(nearest) < v { nearest.next_up() } else { nearest }
+    if f64::from(nearest) < v {
+        nearest.next_up()
+    } else {
+        nearest
+    }
 }
 
 fn regular_f64(v: f64) -> f64 {

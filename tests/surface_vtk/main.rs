@@ -22,7 +22,11 @@ fn check(oracle: &mut Oracle, grid: &Grid, place: &Place, iso: f64) -> Mesh {
     let ours = marching_cubes(grid, iso).expect("a mesh");
     let theirs = oracle.mesh(grid, place, iso, Merging::Usual);
     if let Err(difference) = same(grid, iso, &ours, &theirs) {
-        panic!("{:?} {:?} at {iso}, {place:?}: {difference}", grid.dims(), grid.voxel_type());
+        panic!(
+            "{:?} {:?} at {iso}, {place:?}: {difference}",
+            grid.dims(),
+            grid.voxel_type()
+        );
     }
     ours
 }
@@ -50,7 +54,13 @@ fn oblique() -> Place {
 fn every_case() {
     let mut oracle = Oracle::start();
     for case in 0..256_u32 {
-        let value = |c: u32| if case >> c & 1 == 1 { 1.0 + c as f32 } else { -1.0 - (c * c % 5) as f32 };
+        let value = |c: u32| {
+            if case >> c & 1 == 1 {
+                1.0 + c as f32
+            } else {
+                -1.0 - (c * c % 5) as f32
+            }
+        };
         let cube = grid([2; 3], &Place::UNIT, Voxels::F32((0..8).map(value).collect()));
         let mesh = check(&mut oracle, &cube, &Place::UNIT, 0.0);
         assert_eq!(mesh.is_empty(), case == 0 || case == 255);
@@ -169,12 +179,20 @@ fn thin_volumes() {
     let mut oracle = Oracle::start();
     for dims in [[1, 5, 5], [5, 1, 5], [5, 5, 1], [1, 1, 1]] {
         let count = dims.iter().product::<usize>();
-        let flat = grid(dims, &Place::UNIT, Voxels::U8((0..count).map(|n| (n * 91 % 256) as u8).collect()));
+        let flat = grid(
+            dims,
+            &Place::UNIT,
+            Voxels::U8((0..count).map(|n| (n * 91 % 256) as u8).collect()),
+        );
         assert!(check(&mut oracle, &flat, &Place::UNIT, 100.0).is_empty());
     }
     for dims in [[2, 5, 70], [70, 2, 5], [5, 70, 2], [2, 2, 70], [130, 2, 2]] {
         let count = dims.iter().product::<usize>();
-        let thin = grid(dims, &Place::UNIT, Voxels::U8((0..count).map(|n| (n * n * 91 % 251) as u8).collect()));
+        let thin = grid(
+            dims,
+            &Place::UNIT,
+            Voxels::U8((0..count).map(|n| (n * n * 91 % 251) as u8).collect()),
+        );
         assert!(!check(&mut oracle, &thin, &Place::UNIT, 100.0).is_empty());
     }
 }
@@ -241,7 +259,10 @@ fn a_reflected_lattice_has_its_triangles_turned_over() {
 fn any_number_of_threads_gives_the_same_bits() {
     let (head, _) = scan("ch2.nii.gz");
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
         pool.install(|| marching_cubes(&head, 60.0).expect("a mesh"))
     };
     let one = with(1);

@@ -105,7 +105,9 @@ impl Oracle {
     fn read<T: bytemuck::Pod>(&mut self, count: usize) -> Vec<T> {
         let mut values = vec![T::zeroed(); count];
         let bytes = bytemuck::cast_slice_mut(&mut values);
-        self.answers.read_exact(bytes).expect("the oracle answers; see its message above");
+        self.answers
+            .read_exact(bytes)
+            .expect("the oracle answers; see its message above");
         values
     }
 }

@@ -17,7 +17,13 @@ type Place = [u32; 3];
 type Corners = [Place; 3];
 
 fn place(p: [f32; 3]) -> Place {
-    p.map(|x| if x.is_nan() { f32::NAN.to_bits() } else { (x + 0.0).to_bits() })
+    p.map(|x| {
+        if x.is_nan() {
+            f32::NAN.to_bits()
+        } else {
+            (x + 0.0).to_bits()
+        }
+    })
 }
 
 fn corners(mesh: &Mesh, n: usize) -> Corners {
@@ -43,7 +49,10 @@ pub fn same_shape(grid: &Grid, iso: f64, ours: &Mesh, theirs: &Mesh) -> Result<(
 
 /// How many vertices are somewhere. VTK makes one at NaN each time it is used, so those are not compared.
 fn finite(mesh: &Mesh) -> usize {
-    mesh.positions.iter().filter(|p| p.iter().all(|x| x.is_finite())).count()
+    mesh.positions
+        .iter()
+        .filter(|p| p.iter().all(|x| x.is_finite()))
+        .count()
 }
 
 fn triangles(grid: &Grid, iso: f64, ours: &Mesh, theirs: &Mesh) -> Result<(), String> {
@@ -65,11 +74,18 @@ fn explain(grid: &Grid, iso: f64, meshes: [&Mesh; 2], corners: Corners, sum: i64
     let index_from_world = grid.world_from_index().inverse();
     let cell = cell(&index_from_world, corners);
     let whose = if sum > 0 { "ours" } else { "VTK's" };
-    let mut text = format!("a triangle is only {whose}: {:?}\ncell {cell:?} at {iso}, values", corners.map(position));
+    let mut text = format!(
+        "a triangle is only {whose}: {:?}\ncell {cell:?} at {iso}, values",
+        corners.map(position)
+    );
     for c in 0..8 {
         let at: [i64; 3] = std::array::from_fn(|a| cell[a] + (c >> a & 1));
         let inside = at.iter().zip(grid.dims()).all(|(n, dim)| (0..dim as i64).contains(n));
-        let value = if inside { grid.value_at(at.map(|n| n as usize)) } else { f64::NAN };
+        let value = if inside {
+            grid.value_at(at.map(|n| n as usize))
+        } else {
+            f64::NAN
+        };
         let _ = write!(text, " {value}");
     }
     for (mesh, name) in meshes.into_iter().zip(["ours", "VTK's"]) {
@@ -86,7 +102,11 @@ fn explain(grid: &Grid, iso: f64, meshes: [&Mesh; 2], corners: Corners, sum: i64
 /// The cell that a triangle's middle lies in.
 fn cell(index_from_world: &DAffine3, corners: Corners) -> [i64; 3] {
     let middle: DVec3 = corners.map(|c| Vec3::from(position(c)).as_dvec3()).into_iter().sum();
-    index_from_world.transform_point3(middle / 3.0).floor().as_i64vec3().to_array()
+    index_from_world
+        .transform_point3(middle / 3.0)
+        .floor()
+        .as_i64vec3()
+        .to_array()
 }
 
 fn position(place: Place) -> [f32; 3] {
