@@ -1,15 +1,17 @@
 //! Surfaces of constant value as triangle meshes, on the processor (LC87).
 
+mod assemble;
 mod cases;
 mod cells;
 mod extract;
 mod inside;
 pub mod io;
+mod manifold;
 mod mesh;
 mod slices;
 pub mod trilinear;
 mod vertices;
 mod weld;
 
-pub use extract::{ExtractError, marching_cubes};
+pub use extract::{ExtractError, Topology, extract, marching_cubes};
 pub use mesh::{Mesh, Part};
