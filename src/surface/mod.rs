@@ -1,6 +1,7 @@
 //! Surfaces of constant value as triangle meshes, on the processor (LC87).
 
 mod assemble;
+mod blocks;
 mod cases;
 mod cells;
 mod extract;
@@ -13,5 +14,6 @@ pub mod trilinear;
 mod vertices;
 mod weld;
 
+pub use blocks::extract_target;
 pub use extract::{ExtractError, Topology, extract, marching_cubes};
 pub use mesh::{Mesh, Part};
