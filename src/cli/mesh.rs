@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::CliError;
-use super::console::{Stages, print, print_json, progress};
+use super::console::{Stages, note, print, print_json, progress};
 use super::source::SourceArgs;
 use crate::surface::io::{check_suffix, write_mesh};
 use crate::surface::{Mesh, Topology, extract, extract_target};
@@ -86,7 +86,12 @@ impl MeshCommand {
         let volume = stages.time("load", || io::read(&self.source.path))?;
         let mut all = Mesh::default();
         for iso in &self.iso {
-            all.append(stages.time("extract", || extract(&volume.grid, *iso, self.topology.into()))?)?;
+            let mesh = stages.time("extract", || extract(&volume.grid, *iso, self.topology.into()))?;
+            if mesh.is_empty() {
+                let stats = volume.grid.stats();
+                note_empty(*iso, stats.min, stats.max);
+            }
+            all.append(mesh)?;
         }
         Ok(all)
     }
@@ -98,10 +103,18 @@ impl MeshCommand {
         for iso in &self.iso {
             let bar = progress("extract", target.lattice.dims[2] as u64);
             let mut done = |n: usize| bar.inc(n as u64);
-            all.append(stages.time("extract", || {
+            let mesh = stages.time("extract", || {
                 extract_target(&target, *iso, self.topology.into(), &mut done)
-            })?)?;
+            })?;
             bar.finish_and_clear();
+            if mesh.is_empty() {
+                note_empty(
+                    *iso,
+                    f64::from(target.value_range.lo),
+                    f64::from(target.value_range.hi),
+                );
+            }
+            all.append(mesh)?;
         }
         Ok(all)
     }
@@ -118,4 +131,9 @@ impl MeshCommand {
         }
         print(&format!("vertices   {vertices}\ntriangles  {triangles}"))
     }
+}
+
+/// Says that nothing was found, and where something might be.
+fn note_empty(iso: f64, min: f64, max: f64) {
+    note(&format!("the surface at {iso} is empty: values go from {min} to {max}"));
 }

@@ -7,6 +7,7 @@
 //! halving the edge, so that a cut plane is a plane, and a crisp ball round, however coarse the lattice.
 //! *Practice.* Where the solid is covered all round, the mesh is that of a grid of the same samples: the same for any
 //! subdivision into blocks. Normals are the data's; on a cut, where data ends, they are those of the triangles round the vertex.
+//! Vertices on a cut carry the value that was cut through (LC87 §5.2, texture mapping), all others the isovalue.
 
 use std::ops::Range;
 
@@ -133,13 +134,15 @@ const HALVINGS: u32 = 20;
 /// Puts the vertices on edges out of the model's coverage where the model ends.
 fn fasten(assembly: &mut Assembly, target: &Target) {
     let iso = assembly.level.iso();
-    let found: Vec<(Loose, DVec3)> = std::mem::take(&mut assembly.loose)
+    let found: Vec<(Loose, End)> = std::mem::take(&mut assembly.loose)
         .into_par_iter()
-        .map(|loose| (loose, end_of(target, iso, &loose)))
+        .map(|loose| (loose, End::of_solid(target, iso, &loose)))
         .collect();
-    for (loose, index) in found {
-        let index = index.as_vec3().to_array();
+    assembly.mesh.values = vec![iso as f32; assembly.mesh.positions.len()];
+    for (loose, end) in found {
+        let index = end.index.as_vec3().to_array();
         assembly.mesh.positions[loose.vertex as usize] = assembly.level.position(index);
+        assembly.mesh.values[loose.vertex as usize] = end.value;
         let [along, lower] = [index[loose.axis], loose.voxel[loose.axis] as f32];
         if along == lower || along == lower + 1.0 {
             let mut voxel = loose.voxel;
@@ -149,24 +152,37 @@ fn fasten(assembly: &mut Assembly, target: &Target) {
     }
 }
 
-/// The place on an edge, in the lattice, where the solid ends. One end of the edge lies in the solid.
-fn end_of(target: &Target, iso: f64, loose: &Loose) -> DVec3 {
-    let solid = |p: DVec3| {
-        let sample = target.tree.sample(p);
-        sample.coverage >= COVERED && f64::from(sample.value) >= iso
-    };
-    let lower = DVec3::from_array(loose.voxel.map(|n| n as f64));
-    let upper = lower + DVec3::AXES[loose.axis];
-    let (mut within, mut beyond) = if solid(lower) { (lower, upper) } else { (upper, lower) };
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (within + beyond);
-        if solid(middle) {
-            within = middle;
-        } else {
-            beyond = middle;
+/// Where the solid ends on an edge.
+struct End {
+    /// The place, in the lattice.
+    index: DVec3,
+    /// The model's value just within.
+    value: f32,
+}
+
+impl End {
+    /// Halves an edge of which one end lies in the solid.
+    fn of_solid(target: &Target, iso: f64, loose: &Loose) -> Self {
+        let solid = |p: DVec3| {
+            let sample = target.tree.sample(p);
+            sample.coverage >= COVERED && f64::from(sample.value) >= iso
+        };
+        let lower = DVec3::from_array(loose.voxel.map(|n| n as f64));
+        let upper = lower + DVec3::AXES[loose.axis];
+        let (mut within, mut beyond) = if solid(lower) { (lower, upper) } else { (upper, lower) };
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (within + beyond);
+            if solid(middle) {
+                within = middle;
+            } else {
+                beyond = middle;
+            }
+        }
+        Self {
+            index: 0.5 * (within + beyond),
+            value: target.tree.sample(within).value,
         }
     }
-    0.5 * (within + beyond)
 }
 
 /// Gives vertices without a normal that of the triangles round them, weighted by area.

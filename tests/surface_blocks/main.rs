@@ -107,6 +107,38 @@ fn a_cut_is_a_plane() {
 }
 
 #[test]
+fn a_cut_carries_what_it_cuts_through() {
+    // A volume whose value is 4x + 20: a cut across x shows one value, and one along it all of them.
+    let values = (0..32 * 32 * 32).map(|n| 4.0 * (n % 32) as f32 + 20.0).collect();
+    let grid = Grid::new([32; 3], glam::DAffine3::IDENTITY, Voxels::F32(values)).expect("a grid");
+    for (normal, value) in [(DVec3::X, Some(4.0 * 13.3 + 20.0)), (DVec3::Y, None)] {
+        let mut model = Model::default();
+        let volume = model.push(Node::Volume(vcsg::model::VolumeLeaf {
+            bricks: std::sync::Arc::new(vcsg::volume::Bricks::new(&grid)),
+            window: vcsg::math::Interval::ALL,
+        }));
+        let plane = Plane::through(DVec3::splat(13.3), normal).expect("a plane");
+        model.push(Node::Cut { child: volume, plane });
+        let mesh = surface(&built(&model, 1.0, 8), 40.0, Topology::Vtk);
+        assert_closed(&mesh);
+        let on_cut = points(&mesh)
+            .zip(&mesh.values)
+            .filter(|(p, _)| plane.distance(*p).abs() <= off(1.0));
+        let mut count = 0;
+        for (p, v) in on_cut {
+            let expected = value.unwrap_or(4.0 * p.x.clamp(0.0, 31.0) + 20.0);
+            // The last halving's remainder, times 4 a millimetre, and the rounding of places and values below 256.
+            assert!(
+                (f64::from(*v) - expected).abs() <= 8.0 * off(1.0) + 256.0 * 0.5_f64.powi(23),
+                "{v} at {p}, not {expected}"
+            );
+            count += 1;
+        }
+        assert!(count > 200, "{count} vertices");
+    }
+}
+
+#[test]
 fn a_hole_is_a_surface_too() {
     let mut model = Model::default();
     let first = ball(&mut model, DVec3::ZERO, 12.0);
