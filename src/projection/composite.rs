@@ -5,7 +5,7 @@
 //! last step ([`resolve`]) turns what was accumulated into premultiplied RGBA.
 
 use super::{Mode, TransferFunction};
-use crate::image::Frame;
+use crate::image::{Frame, Rgba};
 use crate::math::Interval;
 
 /// The blend equation of a mode, back to front, on `[red, green, blue, alpha]`.
@@ -76,4 +76,30 @@ pub fn resolve(mode: Mode, accumulated: &Frame, value_range: Interval, transfer:
         let alpha = weight.min(1.0);
         [grey * alpha, grey * alpha, grey * alpha, alpha]
     })
+}
+
+/// `projection`, whose samples end at opaque surfaces, with the surfaces behind it: what shows of them depends on what the mode means.
+///
+/// - Composite: what the samples before it let through.
+/// - Additive: all of it, since nothing absorbs; the light of the samples is added.
+/// - The other modes show a grey that has no opacity of its own. Bright is what they are after, so a grey hides as much as it is
+///   bright: a maximum before the surface shines over it, and what is black lets it through.
+pub fn over_surfaces(mode: Mode, projection: &Frame, surfaces: &Frame) -> Frame {
+    let mut frame = projection.clone();
+    for (pixel, surface) in frame.pixels_mut().iter_mut().zip(surfaces.pixels()) {
+        if surface[3] > 0.0 {
+            *pixel = over_surface(mode, *pixel, *surface);
+        }
+    }
+    frame
+}
+
+fn over_surface(mode: Mode, pixel: Rgba, surface: Rgba) -> Rgba {
+    let through = match mode {
+        Mode::Composite => 1.0 - pixel[3],
+        Mode::Additive => 1.0,
+        Mode::Mip | Mode::MinIp | Mode::Average | Mode::XRay => 1.0 - pixel[0],
+    };
+    let [r, g, b] = [0, 1, 2].map(|c| pixel[c] + through * surface[c]);
+    [r, g, b, surface[3]]
 }

@@ -70,7 +70,7 @@ impl Bench {
     }
 
     pub fn draw(&mut self, spec: &FrameSpec, prepared: &Prepared) -> Frame {
-        let drawn = self.renderer.draw_plan(spec, &prepared.paged, &prepared.plan);
+        let drawn = self.renderer.draw_plan(spec, &prepared.paged, &prepared.plan, &[]);
         drawn.expect("a frame").0
     }
 
