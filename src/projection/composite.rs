@@ -103,3 +103,31 @@ fn over_surface(mode: Mode, pixel: Rgba, surface: Rgba) -> Rgba {
     let [r, g, b] = [0, 1, 2].map(|c| pixel[c] + through * surface[c]);
     [r, g, b, surface[3]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_shows_as_much_as_the_mode_lets_it() {
+        let surface = Frame::from_pixels(2, 1, vec![[0.5, 0.25, 1.0, 1.0], [0.0; 4]]).expect("two pixels");
+        let with = |mode, pixel: Rgba| {
+            let projection = Frame::from_pixels(2, 1, vec![pixel; 2]).expect("two pixels");
+            let frame = over_surfaces(mode, &projection, &surface);
+            assert_eq!(frame.pixel(1, 0), Some(pixel), "{mode:?} without a surface");
+            frame.pixel(0, 0).expect("a pixel")
+        };
+        let half = [0.25, 0.0, 0.0, 0.5];
+        assert_eq!(with(Mode::Composite, half), [0.5, 0.125, 0.5, 1.0]);
+        assert_eq!(with(Mode::Additive, half), [0.75, 0.25, 1.0, 1.0]);
+        for mode in [Mode::Mip, Mode::MinIp, Mode::Average] {
+            assert_eq!(
+                with(mode, [0.0, 0.0, 0.0, 1.0]),
+                [0.5, 0.25, 1.0, 1.0],
+                "{mode:?} of black"
+            );
+            assert_eq!(with(mode, [1.0; 4]), [1.0; 4], "{mode:?} of white");
+        }
+        assert_eq!(with(Mode::XRay, [0.5; 4]), [0.75, 0.625, 1.0, 1.0]);
+    }
+}

@@ -10,13 +10,15 @@ use glam::DVec3;
 use crate::math::Aabb;
 use crate::projection::{Camera, Lens};
 
-/// Factor and summand of the number: `factor · z + summand`, or `factor + summand / z` under perspective.
+/// From depth to the number that is tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthScale {
-    /// See above.
+    /// What is multiplied by depth, or under perspective by 1.
     pub factor: f64,
-    /// See above.
+    /// What is added to that, under perspective divided by depth.
     pub summand: f64,
+    /// Whether it is so.
+    pub perspective: bool,
 }
 
 /// What the farthest is held as.
@@ -44,6 +46,7 @@ impl DepthScale {
                 Self {
                     factor,
                     summand: -factor * near,
+                    perspective: false,
                 }
             }
             Lens::Perspective { near_mm, .. } => {
@@ -53,8 +56,33 @@ impl DepthScale {
                 Self {
                     factor: -summand / near,
                     summand,
+                    perspective: true,
                 }
             }
+        }
+    }
+
+    /// The number at a depth.
+    pub fn at(&self, depth_mm: f64) -> f64 {
+        let [product, summand] = self.terms(depth_mm);
+        product + summand
+    }
+
+    /// The two terms of the number at a depth.
+    pub fn terms(&self, depth_mm: f64) -> [f64; 2] {
+        if self.perspective {
+            [self.factor, self.summand / depth_mm]
+        } else {
+            [self.factor * depth_mm, self.summand]
+        }
+    }
+
+    /// How fast the number rises at a depth, for each millimetre.
+    pub fn slope(&self, depth_mm: f64) -> f64 {
+        if self.perspective {
+            -self.summand / (depth_mm * depth_mm)
+        } else {
+            self.factor
         }
     }
 }
@@ -74,12 +102,8 @@ mod tests {
             let world = Aabb::new(DVec3::splat(-100.0), DVec3::splat(100.0));
             let camera = view.camera(&world, [64, 64]);
             let eye = world.transformed(&camera.eye_from_world);
-            let DepthScale { factor, summand } = DepthScale::new(&camera, &eye);
-            let tested = |z: f64| match projection {
-                Projection::Orthographic => factor * z + summand,
-                Projection::Perspective { .. } => factor + summand / z,
-            };
-            let [near, far] = [tested(eye.min.z), tested(eye.max.z)];
+            let scale = DepthScale::new(&camera, &eye);
+            let [near, far] = [scale.at(eye.min.z), scale.at(eye.max.z)];
             assert!(0.0 < near && near < far && far <= FARTHEST, "{near} {far}");
         }
     }

@@ -14,6 +14,7 @@ mod submissions;
 mod surfaces;
 mod texels;
 
+pub use depths::DepthScale;
 pub use mesh::{DeviceMesh, DeviceMeshError, ShownMesh};
 pub use pages::{Page, PagedTarget, Slot};
 pub use slices::{SliceRenderer, Slices, Timings, plan, soft_normals};

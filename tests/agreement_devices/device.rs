@@ -27,7 +27,7 @@ pub fn on_device(test: impl FnOnce(&mut Bench)) {
 
 /// A renderer on the device under test, and what the device promises.
 pub struct Bench {
-    renderer: SliceRenderer,
+    pub renderer: SliceRenderer,
     pub precision: Precision,
 }
 
