@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every law; each panics with what is wrong.
-const LAWS: [fn(); 16] = [
+const LAWS: [fn(); 17] = [
     blocks::one_block_or_many_the_picture_is_the_same,
     bound_widths::a_smooth_scene_has_narrow_bounds,
     comparators::a_shifted_pixel_is_out_of_bounds,
@@ -29,6 +29,7 @@ const LAWS: [fn(); 16] = [
     comparators::half_a_texel_is_out_of_bounds,
     meshes::meshes_are_within_bounds,
     meshes::a_sheet_has_narrow_bounds,
+    meshes::odd_meshes_do_no_harm,
     meshes::wrong_meshes_are_out_of_bounds,
     meshes_inside::slices_stop_at_meshes,
     meshes_inside::a_mesh_too_far_back_is_out_of_bounds,

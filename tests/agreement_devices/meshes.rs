@@ -157,6 +157,46 @@ pub fn a_sheet_has_narrow_bounds() {
     });
 }
 
+/// What is no mesh is refused, and what is nowhere is not drawn.
+pub fn odd_meshes_do_no_harm() {
+    on_device(|bench| {
+        let mut shapes = Shapes::random(3);
+        shapes.meshes.truncate(1);
+        let right = Case::new(bench, shapes).frame(bench);
+        let mut shapes = Shapes::random(3);
+        shapes.meshes.truncate(1);
+        let mesh = &mut shapes.meshes[0].0;
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([[f32::NAN; 3], [f32::INFINITY, 0.0, 0.0]]);
+        mesh.triangles.extend([[0, 1, first], [first + 1, 1, 2]]);
+        let on_device = OnDevice::new(bench, &shapes.borrowed());
+        let drawn = bench
+            .renderer
+            .draw_meshes(&shapes.camera, &shapes.settings, &on_device.shown());
+        assert!(
+            drawn.expect("a frame") == right,
+            "as without triangles that are nowhere"
+        );
+        shapes.meshes[0].0.triangles.push([0, 1, first + 2]);
+        let refused = DeviceMesh::new(bench.renderer.device(), &shapes.meshes[0].0);
+        let message = refused.err().expect("an error").to_string();
+        assert!(message.contains(&format!("vertex {}", first + 2)), "{message}");
+        let empty = [(&Mesh::default(), MeshLook::default())];
+        let on_device = OnDevice::new(bench, &empty);
+        for meshes in [on_device.shown(), Vec::new()] {
+            let drawn = bench.renderer.draw_meshes(&shapes.camera, &shapes.settings, &meshes);
+            let nothing = Frame::transparent(FRAME_PX[0], FRAME_PX[1]);
+            assert!(drawn.expect("a frame") == nothing, "nothing is drawn of no triangles");
+        }
+        let mut camera = shapes.camera;
+        camera.size[1] = 0;
+        assert!(
+            bench.renderer.draw_meshes(&camera, &shapes.settings, &[]).is_err(),
+            "no pixels"
+        );
+    });
+}
+
 /// Law 9: what is wrong is out of bounds.
 pub fn wrong_meshes_are_out_of_bounds() {
     on_device(|bench| {
