@@ -7,16 +7,14 @@ layout(constant_id = 0) const uint SHADING = 0;
 layout(constant_id = 2) const uint LIGHTS = 0;
 layout(constant_id = 3) const uint SHININESS_LOG2 = 4;
 
+layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
+
 layout(location = 0) in vec3 rgb;
 layout(location = 1) in vec4 surface;
 layout(location = 2) in vec4 at;
-layout(location = 3) flat in vec4 material;
-layout(location = 4) flat in vec4 lights[MAX_LIGHTS];
-layout(location = 9) flat in vec4 half_ways[MAX_LIGHTS];
 
 layout(location = 0) out vec4 color;
 
-#include "respond.glsl"
 #include "lit.glsl"
 
 // Of the triangle's plane; zero if it is seen from the side.

@@ -24,20 +24,12 @@ layout(location = 0) out vec3 rgb;
 layout(location = 1) out vec4 surface;
 // The position, and how far it is along the depth cue.
 layout(location = 2) out vec4 at;
-// The factors of the lights, and the strength of the depth cue.
-layout(location = 3) flat out vec4 material;
-layout(location = 4) flat out vec4 lights[MAX_LIGHTS];
-layout(location = 9) flat out vec4 half_ways[MAX_LIGHTS];
 
-#include "respond.glsl"
 #include "lit.glsl"
 
 void main() {
     vec4 world = vec4(position, 1.0);
     vec3 eye = vec3(dot(frame.eye_from_model[0], world), dot(frame.eye_from_model[1], world), dot(frame.eye_from_model[2], world));
-    material = vec4(frame.material.xyz, frame.cue.z);
-    lights = frame.lights;
-    half_ways = frame.half_ways;
     at = vec4(position, (eye.z - frame.cue.x) * frame.cue.y);
     rgb = OWN_COLORS ? own_color.rgb : mesh.rgb.rgb;
     switch (SHADING) {
