@@ -108,11 +108,7 @@ impl MeshCommand {
             })?;
             bar.finish_and_clear();
             if mesh.is_empty() {
-                note_empty(
-                    *iso,
-                    f64::from(target.value_range.lo),
-                    f64::from(target.value_range.hi),
-                );
+                note_empty(*iso, f64::from(target.value_range.lo), f64::from(target.value_range.hi));
             }
             all.append(mesh)?;
         }

@@ -9,11 +9,14 @@ mod inside;
 pub mod io;
 mod manifold;
 mod mesh;
+pub mod reference;
 mod slices;
 pub mod trilinear;
 mod vertices;
+mod view;
 mod weld;
 
 pub use blocks::extract_target;
 pub use extract::{ExtractError, Topology, extract, marching_cubes};
 pub use mesh::{Mesh, Part};
+pub use view::{MeshColor, MeshLook, MeshShading, SurfaceView, unit_normal};
