@@ -353,9 +353,9 @@ impl Numbering {
     /// Moves `first` to the next word.
     #[inline(always)]
     pub fn step_over(&self, first: &mut [[u32; KINDS]; 4]) {
-        for n in 0..4 {
-            first[n][0] += self.x[n].count_ones();
-            first[n][ON_VOXELS] += self.on[n].count_ones();
+        for (first, (x, on)) in first.iter_mut().zip(self.x.iter().zip(&self.on)) {
+            first[0] += x.count_ones();
+            first[ON_VOXELS] += on.count_ones();
         }
         first[0][1] += self.y[0].count_ones();
         first[2][1] += self.y[1].count_ones();

@@ -155,8 +155,8 @@ impl<T: Voxel> Batch<T> {
         let at = [i, i + usize::from(self.kind == 0)];
         for end in 0..2 {
             let (values, x_scale) = ends[end].values(at[end]);
-            for v in 0..7 {
-                self.values[end][v][n] = values[v];
+            for (lanes, value) in self.values[end].iter_mut().zip(values) {
+                lanes[n] = value;
             }
             self.x_scale[end][n] = x_scale;
         }
@@ -214,9 +214,9 @@ impl<T: Voxel> Batch<T> {
                 out.positions[a][n] = (world[0][a] * x + world[1][a] * y + world[2][a] * z + origin[a]) as f32;
             }
             let mut gradient = [0.0; 3];
-            for a in 0..3 {
+            for (a, component) in gradient.iter_mut().enumerate() {
                 let lower = self.gradient(0, a, n);
-                gradient[a] = lower + t * (self.gradient(1, a, n) - lower);
+                *component = lower + t * (self.gradient(1, a, n) - lower);
             }
             let [gx, gy, gz] = gradient;
             let nx = turn[0][0] * gx + turn[1][0] * gy + turn[2][0] * gz;
@@ -246,8 +246,34 @@ impl<T: Voxel> Batch<T> {
             ];
             *normal = [vertices.normals[0][n], vertices.normals[1][n], vertices.normals[2][n]];
         }
-        let edges = if self.kind == ON_VOXELS { 0 } else { self.len };
-        for n in 0..edges {
+        if self.kind != ON_VOXELS && self.any_off_edge(vertices) {
+            self.note_off_edge(vertices, dims, sink);
+        }
+        sink.written += self.len;
+        self.len = 0;
+    }
+}
+
+impl<T: Voxel> Batch<T> {
+    /// Whether any lane's vertex, of use or not, is at an end of its edge or nowhere.
+    #[inline(always)]
+    fn any_off_edge(&self, vertices: &Vertices) -> bool {
+        let mut off = false;
+        for n in 0..LANES {
+            let lower = if self.kind == 2 {
+                self.slice as f32
+            } else {
+                self.index[self.kind & 1][n] as f32
+            };
+            let along = vertices.along[n];
+            off |= !(along > lower && along < lower + 1.0);
+        }
+        off
+    }
+
+    /// Notes the vertices at ends of edges, and those nowhere.
+    fn note_off_edge(&self, vertices: &Vertices, dims: [usize; 3], sink: &mut VertexSink<'_>) {
+        for n in 0..self.len {
             let voxel = [self.index[0][n] as usize, self.index[1][n] as usize, self.slice];
             let (along, lower) = (vertices.along[n], voxel[self.kind] as f32);
             let vertex = sink.first + (sink.written + n) as u32;
@@ -263,8 +289,6 @@ impl<T: Voxel> Batch<T> {
                 sink.hits.push(Hit::new(on, dims, vertex));
             }
         }
-        sink.written += self.len;
-        self.len = 0;
     }
 }
 

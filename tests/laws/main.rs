@@ -12,4 +12,5 @@ mod range;
 mod robust;
 #[path = "../support/mod.rs"]
 mod support;
+mod surface;
 mod world;

@@ -1,18 +1,16 @@
 //! The surface of a model from its target's blocks: where it must be, and that blocks do not show (design laws 2 and 4).
 
-#[path = "../support/mod.rs"]
-mod support;
-
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use support::cases;
-use support::scenes::{scene, subdivision};
 use vcsg::model::{BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Plane, Shape, ValueRule};
 use vcsg::surface::{Mesh, Topology, extract_target, marching_cubes};
 use vcsg::target::{Subdivision, Target, VoxelTarget};
 use vcsg::volume::{Grid, Voxels};
+
+use crate::support::cases;
+use crate::support::scenes::{scene, subdivision};
 
 fn built(model: &Model, spacing_mm: f64, min_block: usize) -> Target {
     let subdivision = Subdivision {
