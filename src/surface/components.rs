@@ -8,39 +8,30 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::mesh::Mesh;
-use super::sound;
-
-/// The connected components of a mesh's triangles; those that are none ([`sound::corners`]) connect nothing.
+/// The connected components of triangles.
 pub(super) struct Components {
     /// For each vertex the lowest of its component.
     pub root: Vec<u32>,
-    /// How many vertices triangles have.
-    pub vertices: usize,
-    /// How many components there are.
-    pub count: usize,
+    /// For each vertex whether a triangle has it.
+    pub is_used: Vec<bool>,
 }
 
 impl Components {
-    pub fn of(mesh: &Mesh) -> Self {
-        let forest = Forest::new(mesh.positions.len());
-        (0..mesh.triangles.len()).into_par_iter().for_each(|n| {
-            if sound::corners(mesh, n).is_some() {
-                forest.join(mesh.triangles[n]);
-            }
-        });
-        let root: Vec<u32> = (0..forest.parent.len())
-            .into_par_iter()
-            .map(|v| forest.root(v as u32))
-            .collect();
-        let used = |v: &usize| forest.is_used[*v].load(Relaxed);
-        let vertices = (0..root.len()).into_par_iter().filter(used);
-        let is_root = |v: &usize| root[*v] as usize == *v;
+    /// Those of `triangles` of so many `vertices`.
+    pub fn of(triangles: &[[u32; 3]], vertices: usize) -> Self {
+        let forest = Forest::new(vertices);
+        triangles.par_iter().for_each(|t| forest.join(*t));
+        let root = |v: usize| forest.root(v as u32);
         Self {
-            vertices: vertices.clone().count(),
-            count: vertices.filter(is_root).count(),
-            root,
+            root: (0..vertices).into_par_iter().map(root).collect(),
+            is_used: forest.is_used.into_par_iter().map(AtomicBool::into_inner).collect(),
         }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        let is_root = |v: &usize| self.is_used[*v] && self.root[*v] as usize == *v;
+        (0..self.root.len()).into_par_iter().filter(is_root).count()
     }
 }
 

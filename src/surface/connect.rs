@@ -1,4 +1,4 @@
-//! The pieces of a mesh (LC87 §6 names connectivity as what the algorithm's next version needs).
+//! The pieces of a mesh (LC87 §6: connectivity makes large models smaller).
 //!
 //! *Theory.* Triangles that share a vertex are of one component.
 //! *Practice.* Components are ranked by area, not by their number of triangles: where a surface runs along a slice it is cut in
@@ -71,7 +71,7 @@ struct Division {
 impl Division {
     fn of(mesh: &Mesh) -> Self {
         const NONE: u32 = u32::MAX;
-        let mut root = Components::of(mesh).root;
+        let mut root = Components::of(&sound::triangles(mesh), mesh.positions.len()).root;
         let mut number = vec![NONE; root.len()];
         let mut components: Vec<Component> = Vec::new();
         for (n, triangle) in mesh.triangles.iter().enumerate() {

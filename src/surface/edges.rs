@@ -8,10 +8,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::mesh::Mesh;
-use super::sound;
-
-/// The edges of a mesh's triangles; those that are none ([`sound::corners`]) have none.
+/// The edges of triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct EdgeCounts {
     pub edges: usize,
@@ -33,8 +30,9 @@ impl AddAssign for EdgeCounts {
 }
 
 impl EdgeCounts {
-    pub fn of(mesh: &Mesh) -> Self {
-        let bins = Bins::of(mesh);
+    /// Those of `triangles` of so many `vertices`.
+    pub fn of(triangles: &[[u32; 3]], vertices: usize) -> Self {
+        let bins = Bins::of(triangles, vertices);
         let count = |(mut counts, mut sides): (Self, Vec<u64>), v: usize| {
             bins.sorted(v, &mut sides);
             counts.add(&sides);
@@ -44,7 +42,7 @@ impl EdgeCounts {
             a += b;
             a
         };
-        let vertices = (0..mesh.positions.len()).into_par_iter();
+        let vertices = (0..vertices).into_par_iter();
         let counts = vertices.fold(Default::default, count).map(|(counts, _)| counts);
         counts.reduce(Self::default, join)
     }
@@ -72,9 +70,9 @@ struct Bins {
 }
 
 impl Bins {
-    fn of(mesh: &Mesh) -> Self {
-        let sizes = zeros(mesh.positions.len());
-        each_side(mesh, |low, _| {
+    fn of(triangles: &[[u32; 3]], vertices: usize) -> Self {
+        let sizes = zeros(vertices);
+        each_side(triangles, |low, _| {
             sizes[low as usize].fetch_add(1, Relaxed);
         });
         let mut starts = Vec::with_capacity(sizes.len() + 1);
@@ -86,7 +84,7 @@ impl Bins {
         }
         let sides: Vec<AtomicU64> = (0..end).into_par_iter().map(|_| AtomicU64::new(0)).collect();
         // What is left to fill of each bin counts down to its start.
-        each_side(mesh, |low, side| {
+        each_side(triangles, |low, side| {
             let left = sizes[low as usize].fetch_sub(1, Relaxed) as usize;
             sides[starts[low as usize] + left - 1].store(side, Relaxed);
         });
@@ -107,13 +105,10 @@ fn zeros(count: usize) -> Vec<AtomicU32> {
 }
 
 /// Calls `visit` with the lower vertex of each side, and the side as [`Bins`] keep it.
-fn each_side(mesh: &Mesh, visit: impl Fn(u32, u64) + Sync) {
-    (0..mesh.triangles.len()).into_par_iter().for_each(|n| {
-        if sound::corners(mesh, n).is_some() {
-            let [a, b, c] = mesh.triangles[n];
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                visit(from.min(to), 2 * u64::from(from.max(to)) + u64::from(to < from));
-            }
+fn each_side(triangles: &[[u32; 3]], visit: impl Fn(u32, u64) + Sync) {
+    triangles.par_iter().for_each(|[a, b, c]| {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            visit(*from.min(to), 2 * u64::from(*from.max(to)) + u64::from(to < from));
         }
     });
 }

@@ -5,7 +5,7 @@
 //! *Practice.* The point is the middle of the mesh's box, so that a mesh far from the origin loses no digits. Sums are made in
 //! `f64` over runs of triangles of fixed length, in their order, so that they do not depend on the number of threads.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -13,6 +13,7 @@ use super::components::Components;
 use super::edges::EdgeCounts;
 use super::mesh::Mesh;
 use super::sound;
+use crate::math::Aabb;
 
 /// The figures of a mesh. Triangles that have a vertex twice, one that is not finite or one that is not there are left out of
 /// all but [`triangles`](Self::triangles) and counted as [`left_out_triangles`](Self::left_out_triangles).
@@ -46,72 +47,42 @@ pub struct Measures {
 impl Measures {
     /// Those of `mesh`. They are the same for any number of threads.
     pub fn of(mesh: &Mesh) -> Self {
-        let extent = Extent::of(mesh);
-        let sums = Sums::of(mesh, extent.middle());
-        let edges = EdgeCounts::of(mesh);
-        let components = Components::of(mesh);
-        let is_finite = |p: &&[f32; 3]| p.iter().all(|x| x.is_finite());
-        let finite_vertices = mesh.positions.par_iter().filter(is_finite).count();
+        let vertices = mesh.positions.len();
+        let triangles = &*sound::triangles(mesh);
+        let components = Components::of(triangles, vertices);
+        let edges = EdgeCounts::of(triangles, vertices);
+        let bounds = bounds(&mesh.positions, &components.is_used);
+        let sums = Sums::of(&mesh.positions, triangles, bounds.center());
+        let finite_vertices = mesh.positions.par_iter().filter(|p| sound::is_finite(p)).count();
+        let used_vertices = components.is_used.par_iter().filter(|used| **used).count();
         Self {
-            vertices: mesh.positions.len(),
-            non_finite_vertices: mesh.positions.len() - finite_vertices,
+            vertices,
+            non_finite_vertices: vertices - finite_vertices,
             triangles: mesh.triangles.len(),
-            left_out_triangles: mesh.triangles.len() - sums.triangles,
+            left_out_triangles: mesh.triangles.len() - triangles.len(),
             area_mm2: sums.double_area / 2.0,
             volume_mm3: (edges.unbalanced == 0).then_some(sums.six_volumes / 6.0),
-            components: components.count,
+            components: components.count(),
             boundary_edges: edges.boundary,
             non_manifold_edges: edges.non_manifold,
-            euler_characteristic: components.vertices as i64 - edges.edges as i64 + sums.triangles as i64,
-            bounds_mm: (sums.triangles > 0).then(|| [extent.min.to_array(), extent.max.to_array()]),
+            euler_characteristic: used_vertices as i64 - edges.edges as i64 + triangles.len() as i64,
+            bounds_mm: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
         }
     }
 }
 
-/// The box of a mesh's triangles.
-#[derive(Clone, Copy)]
-struct Extent {
-    min: DVec3,
-    max: DVec3,
-}
-
-impl Extent {
-    const NONE: Self = Self {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
-
-    fn of(mesh: &Mesh) -> Self {
-        let corners = (0..mesh.triangles.len())
-            .into_par_iter()
-            .filter_map(|n| sound::corners(mesh, n));
-        let boxes = corners.fold(
-            || Self::NONE,
-            |extent, corners| {
-                corners.into_iter().fold(extent, |extent, p| Self {
-                    min: extent.min.min(p),
-                    max: extent.max.max(p),
-                })
-            },
-        );
-        boxes.reduce(
-            || Self::NONE,
-            |a, b| Self {
-                min: a.min.min(b.min),
-                max: a.max.max(b.max),
-            },
-        )
-    }
-
-    fn middle(&self) -> DVec3 {
-        (self.min + self.max) / 2.0
-    }
+/// The box of the vertices that are used.
+fn bounds(positions: &[[f32; 3]], is_used: &[bool]) -> Aabb {
+    let used = positions.par_iter().zip(is_used).filter(|(_, used)| **used);
+    // A negative zero is made positive: which of the two zeros is the smaller would depend on their order.
+    let places = used.map(|(p, _)| Vec3::from(*p).as_dvec3() + 0.0);
+    let boxes = places.map(|p| Aabb::new(p, p));
+    boxes.reduce(|| Aabb::EMPTY, |a, b| a.hull(&b))
 }
 
 /// What is summed over triangles.
 #[derive(Clone, Copy, Default)]
 struct Sums {
-    triangles: usize,
     double_area: f64,
     six_volumes: f64,
 }
@@ -120,31 +91,25 @@ impl Sums {
     /// Triangles in a run.
     const RUN: usize = 1 << 14;
 
-    fn of(mesh: &Mesh, middle: DVec3) -> Self {
-        let runs: Vec<Self> = (0..mesh.triangles.len().div_ceil(Self::RUN))
-            .into_par_iter()
-            .map(|run| Self::of_run(mesh, run * Self::RUN, middle))
+    /// Of `triangles`, all of whose vertices are there; volumes are those of tetrahedra with `middle`.
+    fn of(positions: &[[f32; 3]], triangles: &[[u32; 3]], middle: DVec3) -> Self {
+        let of_triangle = |t: &[u32; 3]| {
+            let corners = t.map(|v| Vec3::from(positions[v as usize]).as_dvec3());
+            let double_area = sound::double_area(corners);
+            Self {
+                double_area: double_area.length(),
+                six_volumes: double_area.dot(corners[0] - middle),
+            }
+        };
+        let runs: Vec<Self> = triangles
+            .par_chunks(Self::RUN)
+            .map(|run| run.iter().map(of_triangle).fold(Self::default(), Self::with))
             .collect();
         runs.into_iter().fold(Self::default(), Self::with)
     }
 
-    fn of_run(mesh: &Mesh, first: usize, middle: DVec3) -> Self {
-        let run = first..mesh.triangles.len().min(first + Self::RUN);
-        run.filter_map(|n| sound::corners(mesh, n))
-            .map(|corners| {
-                let double_area = sound::double_area(corners);
-                Self {
-                    triangles: 1,
-                    double_area: double_area.length(),
-                    six_volumes: double_area.dot(corners[0] - middle),
-                }
-            })
-            .fold(Self::default(), Self::with)
-    }
-
     fn with(self, other: Self) -> Self {
         Self {
-            triangles: self.triangles + other.triangles,
             double_area: self.double_area + other.double_area,
             six_volumes: self.six_volumes + other.six_volumes,
         }

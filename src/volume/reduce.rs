@@ -1,7 +1,7 @@
 //! Smaller slices (LC87 §5.1).
 //!
-//! *Theory.* Averaging four pixels of a slice into one leaves a quarter of the data, and about a quarter of the triangles, with
-//! less noise.
+//! *Theory.* Averaging four pixels of a slice into one leaves a quarter of the data and a smoother surface of fewer triangles,
+//! with some loss of detail.
 //! *Practice.* The new voxel lies in the middle of the four. Where the number of rows or columns is odd, the last one is taken
 //! as if it were there twice, so that the new slices still cover the old; an axis of one voxel stays as it is.
 
