@@ -5,10 +5,12 @@ mod bricks;
 mod field;
 mod grid;
 pub mod io;
+mod reduce;
 mod voxel;
 
 pub use bricks::{BrickStore, Bricks, TypedBricks};
 pub use field::{Field, Sample, SampleRange};
 pub use grid::{Grid, GridError, Stats, Voxels};
+pub use reduce::averaged_slices;
 pub(crate) use voxel::for_type;
 pub use voxel::{Voxel, VoxelType};

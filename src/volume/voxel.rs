@@ -18,6 +18,9 @@ pub trait Voxel: bytemuck::Pod + PartialEq + PartialOrd + Send + Sync + 'static 
     /// The smallest value that is not below `v`, which is not NaN; `None` where the type ends below it.
     fn not_below(v: f64) -> Option<Self>;
 
+    /// The value of this type that is nearest to `v`, of two equally near integers the even one; 0 for NaN in an integer type.
+    fn nearest(v: f64) -> Self;
+
     /// The value as [`Bricks`](super::Bricks) keep it: a negative zero is made positive, so that equal values have equal
     /// bits, and what is not finite or above half of `f32::MAX`, so that a difference could overflow, becomes NaN.
     fn regular(self) -> Self;
@@ -93,6 +96,12 @@ macro_rules! impl_voxel {
 
             fn not_below(v: f64) -> Option<Self> {
                 $not_below(v)
+            }
+
+            #[inline(always)]
+            fn nearest(v: f64) -> Self {
+                let v = if Self::TYPE.is_float() { v } else { v.round_ties_even() };
+                v as $scalar
             }
 
             #[inline(always)]
