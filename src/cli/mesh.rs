@@ -3,14 +3,18 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use glam::DVec3;
 use serde_json::json;
 
 use super::CliError;
 use super::console::{Stages, note, print, print_json, progress};
+use super::overrides;
 use super::source::SourceArgs;
 use crate::surface::io::{check_suffix, write_mesh};
-use crate::surface::{Mesh, Topology, extract, extract_target};
-use crate::volume::io;
+use crate::surface::{
+    Measures, Mesh, SimplifyGoal, Topology, extract, extract_target, keep_largest, keep_touching, simplify,
+};
+use crate::volume::{averaged_slices, io};
 
 /// Extract the surface of a scene or a volume
 #[derive(Debug, Args)]
@@ -20,6 +24,7 @@ use crate::volume::io;
 Examples:
   vcsg mesh head.nii.gz --iso 60 -o skin.ply
   vcsg mesh ct.nrrd --iso -300 --iso 200 -o skin-and-bone.glb
+  vcsg mesh head.nii.gz --iso 60 --largest 1 --simplify 100000 -o skin.stl
   vcsg mesh scene.kdl --iso 80 --spacing 0.5 -o solid.stl --topology trilinear --json"
 )]
 pub(super) struct MeshCommand {
@@ -34,6 +39,21 @@ pub(super) struct MeshCommand {
     /// How the surface runs where corners of a cell leave it open
     #[arg(long, value_enum, default_value = "vtk")]
     topology: TopologyName,
+    /// Average four pixels of a slice into one first; of a volume on its own lattice
+    #[arg(long)]
+    average: bool,
+    /// Keep the N largest pieces, by area
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    largest: Option<u32>,
+    /// Keep the piece nearest to a point, LPS millimetres; of several, the pieces nearest to any
+    #[arg(long, value_name = "X,Y,Z", value_parser = overrides::point, allow_hyphen_values = true, conflicts_with = "largest")]
+    seed: Vec<DVec3>,
+    /// Merge triangles until there are no more than N
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    simplify: Option<u32>,
+    /// Merge triangles as long as the error is no more than MM
+    #[arg(long, value_name = "MM", value_parser = overrides::positive, conflicts_with = "simplify")]
+    simplify_error: Option<f64>,
     /// Print how long each stage took
     #[arg(long)]
     timings: bool,
@@ -66,6 +86,8 @@ impl MeshCommand {
         check_suffix(&self.output)?;
         let mut stages = Stages::default();
         let mesh = self.surfaces(&mut stages)?;
+        let mesh = self.kept(mesh, &mut stages);
+        let mesh = self.simplified(mesh, &mut stages);
         stages.time("write", || write_mesh(&self.output, &mesh))?;
         if self.timings {
             stages.show();
@@ -83,12 +105,16 @@ impl MeshCommand {
     }
 
     fn of_volume(&self, stages: &mut Stages) -> Result<Mesh, CliError> {
-        let volume = stages.time("load", || io::read(&self.source.path))?;
+        let mut grid = stages.time("load", || io::read(&self.source.path))?.grid;
+        if self.average {
+            let averaged = stages.time("average", || averaged_slices(&grid));
+            grid = averaged.map_err(|error| CliError::Usage(error.to_string()))?;
+        }
         let mut all = Mesh::default();
         for iso in &self.iso {
-            let mesh = stages.time("extract", || extract(&volume.grid, *iso, self.topology.into()))?;
+            let mesh = stages.time("extract", || extract(&grid, *iso, self.topology.into()))?;
             if mesh.is_empty() {
-                let stats = volume.grid.stats();
+                let stats = grid.stats();
                 note_empty(*iso, stats.min, stats.max);
             }
             all.append(mesh)?;
@@ -97,6 +123,10 @@ impl MeshCommand {
     }
 
     fn of_scene(&self, stages: &mut Stages) -> Result<Mesh, CliError> {
+        if self.average {
+            let why = "--average needs a volume on its own lattice; use a larger --spacing";
+            return Err(CliError::Usage(why.to_owned()));
+        }
         let scene = stages.time("load", || self.source.load())?;
         let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
         let mut all = Mesh::default();
@@ -115,18 +145,54 @@ impl MeshCommand {
         Ok(all)
     }
 
+    /// The pieces that were asked for.
+    fn kept(&self, mesh: Mesh, stages: &mut Stages) -> Mesh {
+        match self.largest {
+            Some(n) => stages.time("connect", || keep_largest(&mesh, n as usize)),
+            None if !self.seed.is_empty() => stages.time("connect", || keep_touching(&mesh, &self.seed)),
+            None => mesh,
+        }
+    }
+
+    fn simplified(&self, mesh: Mesh, stages: &mut Stages) -> Mesh {
+        let goal = match (self.simplify, self.simplify_error) {
+            (Some(n), _) => SimplifyGoal::Triangles(n as usize),
+            (None, Some(mm)) => SimplifyGoal::ErrorMm(mm as f32),
+            (None, None) => return mesh,
+        };
+        let simplified = stages.time("simplify", || simplify(&mesh, goal));
+        note(&format!("simplified with an error of {:.3} mm", simplified.error_mm));
+        simplified.mesh
+    }
+
     fn describe(&self, mesh: &Mesh, stages: &Stages) -> Result<(), CliError> {
-        let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+        let measures = Measures::of(mesh);
         if self.json {
             return print_json(&json!({
                 "mesh": self.output,
-                "vertices": vertices,
-                "triangles": triangles,
+                "measures": measures,
                 "milliseconds": stages.to_json(),
             }));
         }
-        print(&format!("vertices   {vertices}\ntriangles  {triangles}"))
+        print(&text(&measures))
     }
+}
+
+/// The figures of a mesh, one a line.
+fn text(m: &Measures) -> String {
+    let volume = match m.volume_mm3 {
+        Some(volume) => format!("{volume:.1} mm³"),
+        None => "not closed".to_owned(),
+    };
+    let mut text = format!(
+        "vertices            {}\ntriangles           {}\narea                {:.1} mm²\nvolume              {volume}\n\
+         components          {}\nboundary edges      {}\nnon-manifold edges  {}",
+        m.vertices, m.triangles, m.area_mm2, m.components, m.boundary_edges, m.non_manifold_edges
+    );
+    if m.non_finite_vertices > 0 {
+        text += &format!("\nnot finite          {} vertices", m.non_finite_vertices);
+    }
+    text
 }
 
 /// Says that nothing was found, and where something might be.

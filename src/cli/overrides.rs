@@ -1,6 +1,7 @@
 //! Options that stand in for what a scene says about how it is seen.
 
 use clap::{Args, ValueEnum};
+use glam::DVec3;
 
 use super::CliError;
 use crate::math::Interval;
@@ -132,6 +133,14 @@ impl From<ModeName> for Mode {
 fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|n: &f64| n.is_finite());
     number.ok_or_else(|| "not a finite number".into())
+}
+
+pub(super) fn point(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(|number| finite(number.trim())).collect();
+    match numbers?[..] {
+        [x, y, z] => Ok(DVec3::new(x, y, z)),
+        _ => Err("not three numbers X,Y,Z".into()),
+    }
 }
 
 pub(super) fn single(text: &str) -> Result<f32, String> {
