@@ -31,7 +31,7 @@ pub(super) struct Assembly {
     /// For each slice, the vertices that fall on voxels of it or the next.
     pub hits: Vec<Vec<Hit>>,
     topology: Topology,
-    dims: [usize; 3],
+    pub dims: [usize; 3],
     /// For each slice and the end: the numbers of vertices and of triangles before it.
     before: Vec<[usize; 2]>,
 }

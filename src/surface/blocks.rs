@@ -5,7 +5,8 @@
 //! *Changes from the papers.* No grid of the whole lattice is made: blocks give a few slices at a time. Where an edge leads
 //! out of what the model covers there is no second value to interpolate with. Its vertex is found on the model itself, by
 //! halving the edge, so that a cut plane is a plane, and a crisp ball round, however coarse the lattice.
-//! *Practice.* Where the solid is covered all round, the mesh is that of a grid of the same samples: the same for any
+//! *Practice.* The lattice is widened by one voxel on each side that nothing covers, so that the mesh is closed even where the
+//! model goes on. Where the solid is covered all round, the mesh is that of a grid of the same samples: the same for any
 //! subdivision into blocks. Normals are the data's; on a cut, where data ends, they are those of the triangles round the vertex.
 //! Vertices on a cut carry the value that was cut through (LC87 §5.2, texture mapping), all others the isovalue.
 
@@ -25,11 +26,14 @@ use crate::target::{RowEvaluator, Target};
 /// Slices whose vertices are made together.
 const LAYERS: usize = 32;
 
+/// Voxels on each side that the lattice is widened by.
+const MARGIN: usize = 1;
+
 /// The least coverage of a sample that is there.
 const COVERED: f32 = 0.5;
 
-/// The surface of the solid where `target`'s model is covered and its value not below `iso`, closed wherever the solid lies
-/// within the lattice. `done` is told of slices as they are finished.
+/// The surface of the solid where `target`'s model is covered and its value not below `iso`. It is closed; a model that
+/// reaches beyond the lattice is cut off at most one voxel outside it. `done` is told of slices as they are finished.
 ///
 /// # Errors
 /// Those of [`extract`](super::extract()).
@@ -39,22 +43,20 @@ pub fn extract_target(
     topology: Topology,
     done: &mut dyn FnMut(usize),
 ) -> Result<Mesh, ExtractError> {
-    let lattice = &target.lattice;
-    let level = Level::new(iso, lattice.world_from_lattice)?;
-    let dims @ [_, _, nz] = lattice.dims;
-    let mut assembly = Assembly::new(level, dims, topology);
-    if dims.iter().all(|n| *n > 1) {
-        let mut window = Window::new(target);
-        for start in (0..nz).step_by(LAYERS) {
-            let layers = start..(start + LAYERS).min(nz);
-            window.move_to(start.saturating_sub(1)..(layers.end + 2).min(nz));
-            let slices = window.slices();
-            let held = layers.start..(layers.end + 1).min(nz);
-            if let Some(rows) = InsideRows::of(slices, held, iso, Ties::Apart) {
-                assembly.add(slices, &rows, layers.clone())?;
-            }
-            done(layers.len());
+    let mut level = Level::new(iso, target.lattice.world_from_lattice)?;
+    level.margin = MARGIN;
+    let mut window = Window::new(target);
+    let nz = window.dims[2];
+    let mut assembly = Assembly::new(level, window.dims, topology);
+    for start in (0..nz).step_by(LAYERS) {
+        let layers = start..(start + LAYERS).min(nz);
+        window.move_to(start.saturating_sub(1)..(layers.end + 2).min(nz));
+        let slices = window.slices();
+        let held = layers.start..(layers.end + 1).min(nz);
+        if let Some(rows) = InsideRows::of(slices, held, iso, Ties::Apart) {
+            assembly.add(slices, &rows, layers.clone())?;
         }
+        done(layers.len());
     }
     fasten(&mut assembly, target);
     let mut mesh = assembly.finish();
@@ -62,9 +64,10 @@ pub fn extract_target(
     Ok(mesh)
 }
 
-/// Some slices of a target: values, and NaN where the model does not cover the sample.
+/// Some slices of a target's widened lattice: values, and NaN where the model does not cover the sample.
 struct Window<'a> {
     target: &'a Target,
+    dims: [usize; 3],
     voxels: Vec<f32>,
     held: Range<usize>,
 }
@@ -73,6 +76,7 @@ impl<'a> Window<'a> {
     fn new(target: &'a Target) -> Self {
         Self {
             target,
+            dims: target.lattice.dims.map(|n| n + 2 * MARGIN),
             voxels: Vec::new(),
             held: 0..0,
         }
@@ -82,40 +86,40 @@ impl<'a> Window<'a> {
         Slices {
             voxels: &self.voxels,
             first_slice: self.held.start,
-            dims: self.target.lattice.dims,
+            dims: self.dims,
         }
     }
 
     /// Holds `slices`, which start in or after those held before; what is held already is kept.
     fn move_to(&mut self, slices: Range<usize>) {
-        let [nx, ny, _] = self.target.lattice.dims;
-        let plane = nx * ny;
+        let plane = self.dims[0] * self.dims[1];
         let kept = slices.start.max(self.held.start)..self.held.end.max(slices.start);
         self.voxels
             .drain(..(kept.start - self.held.start).min(self.held.len()) * plane);
         let fresh = self.voxels.len();
         self.voxels.resize(slices.len() * plane, f32::NAN);
         let first = slices.start + fresh / plane;
-        let target = self.target;
+        let (target, inner) = (self.target, MARGIN..self.dims[2] - MARGIN);
         self.voxels[fresh..]
             .par_chunks_mut(plane)
             .zip(first..slices.end)
-            .for_each(|(voxels, k)| fill_slice(target, k, voxels));
+            .filter(|(_, k)| inner.contains(k))
+            .for_each(|(voxels, k)| fill_slice(target, k - MARGIN, voxels));
         self.held = slices;
     }
 }
 
-/// Writes the covered samples of slice `k` to their places.
+/// Writes the covered samples of slice `k` of the lattice to their places in the widened one.
 fn fill_slice(target: &Target, k: usize, voxels: &mut [f32]) {
-    let nx = target.lattice.dims[0];
+    let width = target.lattice.dims[0] + 2 * MARGIN;
     let mut rows = RowEvaluator::new(&target.tree);
-    let mut coverage = vec![0.0; nx];
+    let mut coverage = vec![0.0; width];
     let crosses = |origin: usize, extent: usize| (origin..origin + extent).contains(&k);
     for block in target.blocks.iter().filter(|b| crosses(b.origin[2], b.extent[2])) {
         let columns = block.origin[0]..block.origin[0] + block.extent[0];
         let coverage = &mut coverage[..columns.len()];
         for j in block.origin[1]..block.origin[1] + block.extent[1] {
-            let values = &mut voxels[nx * j..][columns.clone()];
+            let values = &mut voxels[width * (j + MARGIN) + MARGIN..][columns.clone()];
             rows.evaluate(target.path(block), columns.clone(), [j, k], values, Some(coverage));
             for (value, coverage) in values.iter_mut().zip(&*coverage) {
                 *value = if *coverage >= COVERED {
@@ -134,20 +138,22 @@ const HALVINGS: u32 = 20;
 /// Puts the vertices on edges out of the model's coverage where the model ends.
 fn fasten(assembly: &mut Assembly, target: &Target) {
     let iso = assembly.level.iso();
-    let found: Vec<(Loose, End)> = std::mem::take(&mut assembly.loose)
-        .into_par_iter()
-        .map(|loose| (loose, End::of_solid(target, iso, &loose)))
+    let found: Vec<(Loose, End)> = assembly
+        .loose
+        .par_iter()
+        .map(|loose| (*loose, End::of_solid(target, &assembly.level, loose)))
         .collect();
     assembly.mesh.values = vec![iso as f32; assembly.mesh.positions.len()];
     for (loose, end) in found {
         let index = end.index.as_vec3().to_array();
         assembly.mesh.positions[loose.vertex as usize] = assembly.level.position(index);
         assembly.mesh.values[loose.vertex as usize] = end.value;
-        let [along, lower] = [index[loose.axis], loose.voxel[loose.axis] as f32];
+        let lower = assembly.level.index(loose.voxel)[loose.axis] as f32;
+        let along = index[loose.axis];
         if along == lower || along == lower + 1.0 {
             let mut voxel = loose.voxel;
             voxel[loose.axis] += usize::from(along != lower);
-            assembly.hits[loose.voxel[2]].push(Hit::new(voxel, target.lattice.dims, loose.vertex));
+            assembly.hits[loose.voxel[2]].push(Hit::new(voxel, assembly.dims, loose.vertex));
         }
     }
 }
@@ -162,12 +168,12 @@ struct End {
 
 impl End {
     /// Halves an edge of which one end lies in the solid.
-    fn of_solid(target: &Target, iso: f64, loose: &Loose) -> Self {
+    fn of_solid(target: &Target, level: &Level, loose: &Loose) -> Self {
         let solid = |p: DVec3| {
             let sample = target.tree.sample(p);
-            sample.coverage >= COVERED && f64::from(sample.value) >= iso
+            sample.coverage >= COVERED && f64::from(sample.value) >= level.iso()
         };
-        let lower = DVec3::from_array(loose.voxel.map(|n| n as f64));
+        let lower = DVec3::from_array(level.index(loose.voxel));
         let upper = lower + DVec3::AXES[loose.axis];
         let (mut within, mut beyond) = if solid(lower) { (lower, upper) } else { (upper, lower) };
         for _ in 0..HALVINGS {

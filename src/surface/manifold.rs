@@ -79,7 +79,7 @@ fn values<T: Voxel>(slices: Slices<'_, T>, [i, j, k]: [usize; 3], iso: f64) -> [
 
 /// Adds the vertex at `place` within a cell; its normal is the interpolant's.
 fn push(sink: &mut VertexSink<'_>, level: &Level, cell: [usize; 3], values: &[f64; 8], place: DVec3) {
-    let index = DVec3::from_array(cell.map(|n| n as f64)) + place;
+    let index = DVec3::from_array(level.index(cell)) + place;
     sink.positions[sink.written] = level.position(index.as_vec3().to_array());
     sink.normals[sink.written] = level.normal(gradient(values, place));
     sink.written += 1;

@@ -58,6 +58,8 @@ pub(super) struct VertexSink<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Level {
     iso: f64,
+    /// Voxels on each side that the lattice has been widened by: its first voxel has this index, negated.
+    pub margin: usize,
     world_from_index: DAffine3,
     /// Turns a gradient, in values a voxel, to the direction of falling values in the world.
     normal_from_gradient: DMat3,
@@ -74,9 +76,15 @@ impl Level {
         }
         Ok(Self {
             iso,
+            margin: 0,
             world_from_index,
             normal_from_gradient: -world_from_index.matrix3.inverse().transpose(),
         })
+    }
+
+    /// The index of a voxel of the widened lattice in the lattice itself.
+    pub fn index(&self, voxel: [usize; 3]) -> [f64; 3] {
+        voxel.map(|n| n as f64 - self.margin as f64)
     }
 
     /// The value whose surface it is.
@@ -190,7 +198,8 @@ impl<T: Voxel> Batch<T> {
         let turn = level.normal_from_gradient.to_cols_array_2d();
         let mut direction = [0.0; KINDS];
         direction[self.kind] = 1.0;
-        let k = self.slice as f64;
+        let first = -(level.margin as f64);
+        let k = first + self.slice as f64;
         for n in 0..LANES {
             let (lower, upper) = (self.value(0, n), self.value(1, n));
             let t = if self.kind == ON_VOXELS {
@@ -198,8 +207,8 @@ impl<T: Voxel> Batch<T> {
             } else {
                 (level.iso - lower) / (upper - lower)
             };
-            let x = (self.index[0][n] + t * direction[0]) as f32;
-            let y = (self.index[1][n] + t * direction[1]) as f32;
+            let x = (first + self.index[0][n] + t * direction[0]) as f32;
+            let y = (first + self.index[1][n] + t * direction[1]) as f32;
             let z = (k + t * direction[2]) as f32;
             out.along[n] = if self.kind == 0 {
                 x
@@ -246,8 +255,8 @@ impl<T: Voxel> Batch<T> {
             ];
             *normal = [vertices.normals[0][n], vertices.normals[1][n], vertices.normals[2][n]];
         }
-        if self.kind != ON_VOXELS && self.any_off_edge(vertices) {
-            self.note_off_edge(vertices, dims, sink);
+        if self.kind != ON_VOXELS && self.any_off_edge(level, vertices) {
+            self.note_off_edge(level, vertices, dims, sink);
         }
         sink.written += self.len;
         self.len = 0;
@@ -257,14 +266,16 @@ impl<T: Voxel> Batch<T> {
 impl<T: Voxel> Batch<T> {
     /// Whether any lane's vertex, of use or not, is at an end of its edge or nowhere.
     #[inline(always)]
-    fn any_off_edge(&self, vertices: &Vertices) -> bool {
+    fn any_off_edge(&self, level: &Level, vertices: &Vertices) -> bool {
+        let first = -(level.margin as f64);
         let mut off = false;
         for n in 0..LANES {
-            let lower = if self.kind == 2 {
-                self.slice as f32
+            let index = if self.kind == 2 {
+                self.slice as f64
             } else {
-                self.index[self.kind & 1][n] as f32
+                self.index[self.kind & 1][n]
             };
+            let lower = (first + index) as f32;
             let along = vertices.along[n];
             off |= !(along > lower && along < lower + 1.0);
         }
@@ -272,10 +283,10 @@ impl<T: Voxel> Batch<T> {
     }
 
     /// Notes the vertices at ends of edges, and those nowhere.
-    fn note_off_edge(&self, vertices: &Vertices, dims: [usize; 3], sink: &mut VertexSink<'_>) {
+    fn note_off_edge(&self, level: &Level, vertices: &Vertices, dims: [usize; 3], sink: &mut VertexSink<'_>) {
         for n in 0..self.len {
             let voxel = [self.index[0][n] as usize, self.index[1][n] as usize, self.slice];
-            let (along, lower) = (vertices.along[n], voxel[self.kind] as f32);
+            let (along, lower) = (vertices.along[n], level.index(voxel)[self.kind] as f32);
             let vertex = sink.first + (sink.written + n) as u32;
             if along.is_nan() {
                 sink.loose.push(Loose {
