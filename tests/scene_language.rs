@@ -7,7 +7,8 @@ use vcsg::math::{Aabb, Interval};
 use vcsg::model::{BooleanOp, Boundary, Combine, Family, Node, Shape, ValueMap, ValueRule};
 use vcsg::projection::presets::{self, DataStatistics};
 use vcsg::projection::{Mode, Projection};
-use vcsg::scene::{NoVolumes, Scene, SceneError, TransferChoice, TransferSpec};
+use vcsg::scene::{NoVolumes, Scene, SceneError, SurfaceSpec, TransferChoice, TransferSpec};
+use vcsg::surface::{MeshColor, MeshLook, MeshShading, Topology};
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse("test.kdl", text, Path::new("."), &mut NoVolumes)
@@ -217,6 +218,41 @@ render mode="mip" samples-per-voxel=2 size="640x480"
         }
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn surfaces_are_read_in_their_order() {
+    let text = "scene { sphere radius=1 }
+surface iso=60 color=\"#ff0080\" shading=\"gouraud\" topology=\"trilinear\"
+surface iso=-0.5
+";
+    let scene = parse(text).unwrap();
+    let red = SurfaceSpec {
+        iso: 60.0,
+        topology: Topology::Trilinear,
+        look: MeshLook {
+            color: MeshColor::Uniform([1.0, 0.0, 128.0 / 255.0]),
+            shading: MeshShading::Gouraud,
+        },
+    };
+    assert_eq!(scene.surfaces, [red, SurfaceSpec::at(-0.5)]);
+    let plain = parse("scene { sphere radius=1 }\nsurface iso=1 shading=\"phong\" topology=\"vtk\"\n").unwrap();
+    assert_eq!(plain.surfaces, [SurfaceSpec::at(1.0)]);
+}
+
+#[test]
+fn samples_are_shown_unless_surfaces_stand_alone() {
+    let shows = |top: &str| {
+        parse(&format!("scene {{ sphere radius=1 }}\n{top}\n"))
+            .unwrap()
+            .shows_samples()
+    };
+    assert!(shows(""));
+    assert!(!shows("surface iso=0.5"));
+    assert!(!shows("surface iso=0.5\nrender mode=\"composite\""));
+    assert!(shows("surface iso=0.5\nrender mode=\"mip\""));
+    assert!(shows("surface iso=0.5\ntransfer"));
+    assert!(shows("transfer preset=\"grey\"\nsurface iso=0.5"));
 }
 
 #[test]

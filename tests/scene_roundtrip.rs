@@ -6,7 +6,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::model::{Node, Shape};
 use vcsg::projection::{Projection, View};
-use vcsg::scene::{NoVolumes, Scene, SceneError, Source, with_property};
+use vcsg::scene::{NoVolumes, Scene, SceneError, Source, SurfaceSpec, with_property};
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse("random.kdl", text, Path::new("."), &mut NoVolumes)
@@ -139,6 +139,28 @@ proptest! {
             prop_assert!(scene.to_text().ends_with(" // tail\nlight towards=\"0 0 -1\""));
             prop_assert!(scene.to_text().contains("/* keep */"));
         }
+    }
+
+    #[test]
+    fn surfaces_come_through_and_their_values_can_be_edited(
+        isovalues in prop::collection::vec(number(-999..999), 1..4),
+        gap in layout(),
+        iso in number(-999..999),
+        view in view(),
+    ) {
+        let node = |iso: &f64| format!("surface shading=\"gouraud\"   iso={iso:?} /* keep */ color=#\"#102030\"#{gap}\n");
+        let surfaces: String = isovalues.iter().map(node).collect();
+        let mut scene = parse(&format!("{surfaces}scene {{ sphere radius=1 }}\n")).unwrap();
+        let values = |scene: &Scene| scene.surfaces.iter().map(|s| s.iso).collect::<Vec<_>>();
+        prop_assert_eq!(values(&scene), isovalues.clone());
+        scene.set_view(view).unwrap();
+        prop_assert!(scene.to_text().starts_with(&surfaces));
+        prop_assert_eq!(&parse(scene.to_text()).unwrap().surfaces, &scene.surfaces);
+        let last = isovalues.len() - 1;
+        let edited = with_property(scene.source(), &[last], "iso", Some(iso.into())).unwrap();
+        let edited = parse(edited.text()).unwrap();
+        prop_assert_eq!(&values(&edited)[..last], &isovalues[..last]);
+        prop_assert_eq!(edited.surfaces[last], SurfaceSpec { iso, ..scene.surfaces[last] });
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use crate::gpu::GpuError;
 use crate::image::EncodeError;
 use crate::projection::ProjectError;
+use crate::render::DeviceMeshError;
 use crate::scene::SceneError;
 use crate::surface::ExtractError;
 use crate::surface::io::MeshWriteError;
@@ -39,6 +40,9 @@ pub enum CliError {
     /// The surface.
     #[error(transparent)]
     Surface(#[from] ExtractError),
+    /// A mesh on the device.
+    #[error(transparent)]
+    DeviceMesh(#[from] DeviceMeshError),
     /// The mesh file.
     #[error(transparent)]
     Mesh(#[from] MeshWriteError),

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use super::CliError;
 use super::console::{Stages, progress};
+use super::surfaces::{DeviceSurfaces, Surface};
 use crate::gpu::{Device, DeviceSelector, Instance, Validation};
 use crate::image::Frame;
 use crate::math::Aabb;
 use crate::projection::presets::DataStatistics;
-use crate::projection::{FrameSpec, Projector, Reference, TransferFunction};
+use crate::projection::{Camera, FrameSpec, Projector, Reference, Settings, TransferFunction};
 use crate::render::{PagedTarget, SliceRenderer, soft_normals};
 use crate::scene::{Scene, TransferSpec};
 use crate::target::Target;
@@ -37,20 +38,52 @@ impl Renderer {
         }
     }
 
-    /// Draws `spec`.
+    /// Draws `spec`, and `surfaces` in it.
     ///
     /// # Errors
-    /// If the device fails, or its validation layer has a message.
-    pub fn draw(&mut self, spec: &FrameSpec, stages: &mut Stages) -> Result<Frame, CliError> {
+    /// If the device fails, its validation layer has a message, or the reference is to draw surfaces.
+    pub fn draw(&mut self, spec: &FrameSpec, surfaces: &[Surface], stages: &mut Stages) -> Result<Frame, CliError> {
         match self {
-            Self::Slices(renderer) => draw_slices(renderer, spec, stages),
-            Self::Reference => Ok(stages.time("reference", || Reference.project(spec))?),
+            Self::Slices(renderer) => draw_slices(renderer, spec, surfaces, stages),
+            Self::Reference if surfaces.is_empty() => Ok(stages.time("reference", || Reference.project(spec))?),
+            Self::Reference => Err(no_surfaces()),
         }
+    }
+
+    /// Draws `surfaces` alone.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_surfaces(
+        &mut self,
+        camera: &Camera,
+        settings: &Settings,
+        surfaces: &[Surface],
+        stages: &mut Stages,
+    ) -> Result<Frame, CliError> {
+        let Self::Slices(renderer) = self else {
+            return Err(no_surfaces());
+        };
+        let device = Arc::clone(renderer.device());
+        let meshes = stages.time("upload meshes", || DeviceSurfaces::new(&device, surfaces))?;
+        let frame = stages.time("draw", || renderer.draw_meshes(camera, settings, &meshes.shown()))?;
+        without_messages(&device, frame)
     }
 }
 
-fn draw_slices(renderer: &mut SliceRenderer, spec: &FrameSpec, stages: &mut Stages) -> Result<Frame, CliError> {
+/// The reference casts a ray at each triangle: for pictures of tests.
+pub(super) fn no_surfaces() -> CliError {
+    CliError::Usage("the reference draws no surfaces: take --renderer slices".into())
+}
+
+fn draw_slices(
+    renderer: &mut SliceRenderer,
+    spec: &FrameSpec,
+    surfaces: &[Surface],
+    stages: &mut Stages,
+) -> Result<Frame, CliError> {
     let device = Arc::clone(renderer.device());
+    let meshes = stages.time("upload meshes", || DeviceSurfaces::new(&device, surfaces))?;
     let normals = soft_normals(spec);
     let voxels = spec
         .target
@@ -63,11 +96,16 @@ fn draw_slices(renderer: &mut SliceRenderer, spec: &FrameSpec, stages: &mut Stag
     bar.finish_and_clear();
     stages.add("reconstruct", paged.reconstruct);
     stages.add("upload", paged.upload);
-    let (frame, times) = renderer.draw(spec, &paged, &[])?;
+    let (frame, times) = renderer.draw(spec, &paged, &meshes.shown())?;
     stages.add("plan", times.plan);
     stages.add("prepare", times.prepare);
     stages.add("draw", times.draw);
     stages.add("read back", times.read_back);
+    without_messages(&device, frame)
+}
+
+/// `frame`, if the validation layer has nothing to say.
+fn without_messages(device: &Device, frame: Frame) -> Result<Frame, CliError> {
     match device.instance().messages() {
         messages if messages.is_empty() => Ok(frame),
         messages => Err(CliError::Validation(messages)),

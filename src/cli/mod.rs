@@ -12,6 +12,7 @@ mod mesh;
 mod overrides;
 mod render;
 mod source;
+mod surfaces;
 
 use std::process::ExitCode;
 

@@ -8,7 +8,7 @@ use crate::math::Interval;
 use crate::projection::presets;
 use crate::projection::rgb_from_hex;
 use crate::projection::{Mode, Projection};
-use crate::scene::{Scene, TransferChoice, TransferSpec, parse_size};
+use crate::scene::{Scene, SurfaceSpec, TransferChoice, TransferSpec, parse_size};
 
 /// How samples become a pixel.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -30,6 +30,10 @@ pub(super) struct Overrides {
     /// A transfer-function preset; an unknown name lists them
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
+    /// Draw the surface of this value, in place of the scene's own; may be repeated. The volume is drawn with it only where a
+    /// transfer function (--preset) or a --mode other than composite says how
+    #[arg(long, value_name = "ISO", value_parser = finite, allow_negative_numbers = true)]
+    surface: Vec<f64>,
     /// Width of the range of values that the preset is fitted to
     #[arg(long, value_name = "W", requires = "level", value_parser = positive)]
     window: Option<f64>,
@@ -69,6 +73,9 @@ impl Overrides {
     /// Sets in `scene` what was given.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), CliError> {
         self.apply_transfer(scene)?;
+        if !self.surface.is_empty() {
+            scene.surfaces = self.surface.iter().map(|iso| SurfaceSpec::at(*iso)).collect();
+        }
         let set = |to: &mut f64, from: Option<f64>| *to = from.unwrap_or(*to);
         set(&mut scene.view.azimuth_deg, self.azimuth);
         set(&mut scene.view.elevation_deg, self.elevation);
@@ -90,15 +97,15 @@ impl Overrides {
     }
 
     fn apply_transfer(&self, scene: &mut Scene) -> Result<(), CliError> {
-        let mut transfer = scene.transfer.clone().unwrap_or(TransferSpec::AUTOMATIC);
         if let Some(name) = &self.preset {
             let preset = presets::named(name).ok_or_else(|| unknown_preset(name))?;
-            transfer = TransferSpec {
+            scene.transfer = Some(TransferSpec {
                 choice: TransferChoice::Preset(preset),
                 ..TransferSpec::AUTOMATIC
-            };
+            });
         }
         if let (Some(width), Some(level)) = (self.window, self.level) {
+            let transfer = scene.transfer.get_or_insert(TransferSpec::AUTOMATIC);
             if matches!(transfer.choice, TransferChoice::Points(_)) {
                 let why = "the scene's transfer function has points of its own; give --window with --preset";
                 return Err(CliError::Usage(why.into()));
@@ -106,7 +113,6 @@ impl Overrides {
             let half = 0.5 * width;
             transfer.window = Some(Interval::new((level - half) as f32, (level + half) as f32));
         }
-        scene.transfer = Some(transfer);
         Ok(())
     }
 }

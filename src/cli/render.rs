@@ -7,9 +7,10 @@ use serde_json::json;
 
 use super::CliError;
 use super::console::{Stages, print_json};
-use super::job::{Renderer, model_bounds, transfer_function};
+use super::job::{Renderer, model_bounds, no_surfaces, transfer_function};
 use super::overrides::Overrides;
 use super::source::SourceArgs;
+use super::surfaces::Surface;
 use crate::gpu::{DeviceSelector, Validation};
 use crate::image::{FileFormat, Frame, save};
 use crate::projection::FrameSpec;
@@ -22,6 +23,7 @@ use crate::target::Target;
   vcsg render head.nii.gz -o head.png
   vcsg render scene.kdl -o scene.png --size 1920x1080 --azimuth 30 --elevation 15
   vcsg render ct.nrrd -o bone.png --preset ct-bone --background transparent
+  vcsg render head.nii.gz -o skin.png --surface 60
   vcsg render mra.nii.gz -o mip.exr --mode mip --perspective 30
   vcsg render scene.kdl -o truth.png --renderer reference --size 320x240")]
 pub(super) struct Render {
@@ -66,21 +68,22 @@ impl Render {
         let mut stages = Stages::default();
         let mut scene = stages.time("load", || self.source.load())?;
         self.overrides.apply(&mut scene)?;
-        let mut renderer = stages.time("device", || self.renderer())?;
+        let mut renderer = stages.time("device", || self.renderer(&scene))?;
         let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
-        let frame = draw(&scene, &target, &mut renderer, &mut stages)?;
+        let surfaces = Surface::extract_all(&scene.surfaces, &target, &mut stages)?;
+        let frame = draw(&scene, &target, &surfaces, &mut renderer, &mut stages)?;
         stages.time("write", || save(&frame, &self.output, &[("Software", "vcsg")]))?;
         if self.timings {
             stages.show();
         }
         if self.json {
-            print_json(&self.description(&frame, &target, &renderer, &stages))
+            print_json(&self.description(&frame, &target, &surfaces, &renderer, &stages))
         } else {
             Ok(())
         }
     }
 
-    fn renderer(&self) -> Result<Renderer, CliError> {
+    fn renderer(&self, scene: &Scene) -> Result<Renderer, CliError> {
         let validation = if self.validation {
             Validation::On
         } else {
@@ -88,11 +91,19 @@ impl Render {
         };
         match self.renderer {
             RendererName::Slices => Renderer::on_device(&self.device, validation),
-            RendererName::Reference => Ok(Renderer::Reference),
+            RendererName::Reference if scene.surfaces.is_empty() => Ok(Renderer::Reference),
+            RendererName::Reference => Err(no_surfaces()),
         }
     }
 
-    fn description(&self, frame: &Frame, target: &Target, renderer: &Renderer, stages: &Stages) -> serde_json::Value {
+    fn description(
+        &self,
+        frame: &Frame,
+        target: &Target,
+        surfaces: &[Surface],
+        renderer: &Renderer,
+        stages: &Stages,
+    ) -> serde_json::Value {
         json!({
             "frame": self.output,
             "size": [frame.width(), frame.height()],
@@ -101,23 +112,34 @@ impl Render {
             "spacing_mm": target.lattice.spacing_mm().to_array(),
             "blocks": target.blocks.len(),
             "value_range": [target.value_range.lo, target.value_range.hi],
+            "surfaces": surfaces.iter().map(Surface::description).collect::<Vec<_>>(),
             "milliseconds": stages.to_json(),
         })
     }
 }
 
-fn draw(scene: &Scene, target: &Target, renderer: &mut Renderer, stages: &mut Stages) -> Result<Frame, CliError> {
-    let transfer = stages.time("transfer", || transfer_function(scene, target));
-    let camera = scene
-        .view
-        .camera(&model_bounds(scene), scene.frame_size.unwrap_or(DEFAULT_SIZE));
-    let spec = FrameSpec {
-        target,
-        transfer: &transfer,
-        camera: &camera,
-        settings: &scene.settings,
+/// What `scene` shows: its surfaces, its samples, or both.
+fn draw(
+    scene: &Scene,
+    target: &Target,
+    surfaces: &[Surface],
+    renderer: &mut Renderer,
+    stages: &mut Stages,
+) -> Result<Frame, CliError> {
+    let size = scene.frame_size.unwrap_or(DEFAULT_SIZE);
+    let camera = scene.view.camera(&model_bounds(scene), size);
+    let frame = if scene.shows_samples() {
+        let transfer = stages.time("transfer", || transfer_function(scene, target));
+        let spec = FrameSpec {
+            target,
+            transfer: &transfer,
+            camera: &camera,
+            settings: &scene.settings,
+        };
+        renderer.draw(&spec, surfaces, stages)?
+    } else {
+        renderer.draw_surfaces(&camera, &scene.settings, surfaces, stages)?
     };
-    let frame = renderer.draw(&spec, stages)?;
     let [r, g, b, alpha] = scene.settings.background;
     Ok(if alpha > 0.0 { frame.over([r, g, b]) } else { frame })
 }

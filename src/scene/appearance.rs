@@ -8,6 +8,7 @@ use super::grammar;
 use super::options::TargetOptions;
 use super::source::Source;
 use super::suggest::nearest;
+use super::surface::SurfaceSpec;
 use super::transfer::{TransferChoice, TransferSpec};
 use crate::math::Interval;
 use crate::projection::presets;
@@ -22,10 +23,14 @@ type Result<T> = std::result::Result<T, SceneError>;
 pub(super) struct Appearance {
     pub target: TargetOptions,
     pub transfer: Option<TransferSpec>,
+    pub surfaces: Vec<SurfaceSpec>,
     pub view: View,
     pub settings: Settings,
     pub frame_size: Option<[u32; 2]>,
 }
+
+/// Nodes that may be there more than once.
+const MANY: [&str; 2] = ["light", "surface"];
 
 impl Appearance {
     /// Reads the top nodes of a document.
@@ -34,7 +39,7 @@ impl Appearance {
         let mut seen: Vec<&str> = Vec::new();
         for node in document.nodes() {
             let element = Element::new(node, &[grammar::TOP], source)?;
-            if element.name() != "light" && seen.contains(&element.name()) {
+            if !MANY.contains(&element.name()) && seen.contains(&element.name()) {
                 let name = element.name().into();
                 return Err(element.error(Problem::Twice { name }));
             }
@@ -60,6 +65,7 @@ impl Draft {
         match element.name() {
             "scene" => self.appearance.target = TargetOptions::read(element)?,
             "transfer" => self.appearance.transfer = Some(transfer(element)?),
+            "surface" => self.appearance.surfaces.push(SurfaceSpec::read(element)?),
             "view" => self.appearance.view = view(element)?,
             "light" => self.add_light(element)?,
             "material" => self.material(element)?,

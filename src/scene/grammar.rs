@@ -68,6 +68,13 @@ pub(super) const TOP: &[Rule] = &[
         "transfer preset=\"ct-bone\"",
     ),
     rule(
+        "surface",
+        0,
+        &["iso", "color", "shading", "topology"],
+        Leaf,
+        "surface iso=60 color=\"#e8c9b0\"",
+    ),
+    rule(
         "view",
         0,
         &["azimuth", "elevation", "roll", "zoom", "projection", "fov", "focus"],

@@ -31,6 +31,7 @@ mod maps;
 mod options;
 mod source;
 mod suggest;
+mod surface;
 mod transfer;
 mod transforms;
 mod tree;
@@ -44,11 +45,12 @@ pub use guard::{MAX_BYTES, MAX_DEPTH};
 pub use loader::{NoVolumes, VolumeFiles, VolumeLoader, VolumeRequest};
 pub use options::TargetOptions;
 pub use source::Source;
+pub use surface::SurfaceSpec;
 pub use transfer::{TransferChoice, TransferSpec};
 
 use crate::math::Interval;
 use crate::model::{Model, Node, VolumeLeaf};
-use crate::projection::{Projection, Settings, View};
+use crate::projection::{Mode, Projection, Settings, View};
 use appearance::Appearance;
 use tree::{TreeBuilder, scene_element};
 
@@ -61,6 +63,8 @@ pub struct Scene {
     pub target: TargetOptions,
     /// The transfer function; one that suits the data when `None`.
     pub transfer: Option<TransferSpec>,
+    /// The surfaces in its picture.
+    pub surfaces: Vec<SurfaceSpec>,
     /// Where it is seen from.
     pub view: View,
     /// How it is drawn.
@@ -147,11 +151,18 @@ impl Scene {
             model,
             target: appearance.target,
             transfer: appearance.transfer,
+            surfaces: appearance.surfaces,
             view: appearance.view,
             settings: appearance.settings,
             frame_size: appearance.frame_size,
             source,
         }
+    }
+
+    /// Whether samples of the volume are in the picture: always but where it has surfaces, and neither a transfer function nor a
+    /// mode that says how samples are seen.
+    pub fn shows_samples(&self) -> bool {
+        self.surfaces.is_empty() || self.transfer.is_some() || self.settings.mode != Mode::Composite
     }
 
     /// The scene's text, comments and layout as they were.
