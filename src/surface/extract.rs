@@ -67,15 +67,10 @@ fn extract<T: Voxel>(
     let Some(rows) = InsideRows::of(slices, iso).filter(|_| has_cells) else {
         return Ok(Mesh::default());
     };
-    let plan = Plan::new(&rows)?;
-    let mut mesh = Mesh {
-        positions: vec![[0.0; 3]; plan.vertices()],
-        normals: vec![[0.0; 3]; plan.vertices()],
-        triangles: vec![[0; 3]; plan.triangles()],
-        ..Mesh::default()
-    };
-    let level = Level::new(iso, *world_from_index);
-    let hits = fill(&mut mesh, &plan, |task| fill_slice(task, slices, &rows, &plan, &level));
+    let unwelded = Unwelded::new(slices, rows, &Level::new(iso, *world_from_index))?;
+    let Unwelded {
+        mut mesh, hits, plan, ..
+    } = unwelded;
     let layout = Layout {
         voxels_a_slice: dims[0] * dims[1],
         before: &plan.before,
@@ -90,6 +85,46 @@ fn extract<T: Voxel>(
         triangles: 0..mesh.triangles.len(),
     });
     Ok(mesh)
+}
+
+/// A surface whose vertices are still numbered by the edges they lie on, and wound for a lattice that is no reflection.
+pub(super) struct Unwelded {
+    pub mesh: Mesh,
+    pub rows: InsideRows,
+    /// For each slice, the vertices that fall on voxels.
+    pub hits: Vec<Vec<Hit>>,
+    plan: Plan,
+}
+
+impl Unwelded {
+    /// The surface of a grid with cells at `iso`, which is finite.
+    pub fn of(grid: &Grid, iso: f64) -> Result<Self, ExtractError> {
+        let dims = grid.dims();
+        let level = Level::new(iso, *grid.world_from_index());
+        for_type!(Voxels, grid.voxels(), voxels => {
+            let slices = Slices { voxels, first_slice: 0, dims };
+            let rows = InsideRows::of(slices, iso).unwrap_or_else(|| InsideRows::outside(dims));
+            Self::new(slices, rows, &level)
+        })
+    }
+
+    fn new<T: Voxel>(slices: Slices<'_, T>, rows: InsideRows, level: &Level) -> Result<Self, ExtractError> {
+        let plan = Plan::new(&rows)?;
+        let mut mesh = Mesh {
+            positions: vec![[0.0; 3]; plan.vertices()],
+            normals: vec![[0.0; 3]; plan.vertices()],
+            triangles: vec![[0; 3]; plan.triangles()],
+            ..Mesh::default()
+        };
+        let hits = fill(&mut mesh, &plan, |task| fill_slice(task, slices, &rows, &plan, level));
+        Ok(Self { mesh, rows, hits, plan })
+    }
+
+    /// The numbers of the first vertices in the four rows round row `j` of cells above slice `k`.
+    pub fn first(&self, j: usize, k: usize) -> [[u32; KINDS]; 4] {
+        let row = |j: usize, k: usize| self.plan.rows[self.rows.dims[1] * k + j].first;
+        [row(j, k), row(j + 1, k), row(j, k + 1), row(j + 1, k + 1)]
+    }
 }
 
 /// Where each row's vertices and triangles go. A slice's vertices are in the order of their kinds, each row after row.

@@ -25,17 +25,22 @@ impl InsideRows {
     /// The bits of all slices of a lattice for the surface at `iso`; `None` where the voxels' type ends below it.
     pub fn of<T: Voxel>(slices: Slices<'_, T>, iso: f64) -> Option<Self> {
         let smallest_inside = T::not_below(iso)?;
-        let mut rows = Self {
-            inside: vec![0; slices.dims[0].div_ceil(64) * slices.dims[1] * slices.dims[2]],
-            on: Vec::new(),
-            dims: slices.dims,
-        };
+        let mut rows = Self::outside(slices.dims);
         if smallest_inside.to_f64() == iso {
             rows.classify_and_find(slices, smallest_inside);
         } else {
             rows.classify(slices, smallest_inside);
         }
         Some(rows)
+    }
+
+    /// The bits of a lattice no voxel of which is inside.
+    pub fn outside(dims: [usize; 3]) -> Self {
+        Self {
+            inside: vec![0; dims[0].div_ceil(64) * dims[1] * dims[2]],
+            on: Vec::new(),
+            dims,
+        }
     }
 
     fn words_a_row(&self) -> usize {

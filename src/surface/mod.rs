@@ -7,9 +7,11 @@ mod inside;
 pub mod io;
 mod mesh;
 mod slices;
+mod solid;
 pub mod trilinear;
 mod vertices;
 mod weld;
 
 pub use extract::{ExtractError, marching_cubes};
 pub use mesh::{Mesh, Part};
+pub use solid::{Border, Creases, Cutter, Operation, SolidOptions, combine};
