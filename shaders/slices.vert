@@ -25,7 +25,7 @@ void main() {
     MovingVertexData v = vertices[slice.first_vertex + gl_VertexIndex % MAX_VERTICES];
     vec3 unit = v.base.xyz + slice.t_mm * v.slope.xyz;
     vec4 lattice = vec4(b.origin.xyz + b.size.xyz * unit, 1.0);
-    vec2 eye = vec2(dot(frame.eye_from_lattice[0], lattice), dot(frame.eye_from_lattice[1], lattice));
+    vec2 eye = vec2(dot(frame.eye_from_model[0], lattice), dot(frame.eye_from_model[1], lattice));
     float depth_mm = b.origin.w + slice.t_mm;
     texture_at = b.texture_origin.xyz + b.texture_size.xyz * unit;
     ray_slope = PERSPECTIVE ? eye / depth_mm : vec2(0.0);
@@ -38,5 +38,6 @@ void main() {
         lights = frame.lights;
         half_ways = frame.half_ways;
     }
-    gl_Position = vec4((PERSPECTIVE ? ray_slope : eye) * frame.lens.xy, 0.5, 1.0);
+    float tested = frame.lens.z * (PERSPECTIVE ? 1.0 : depth_mm) + frame.lens.w / (PERSPECTIVE ? depth_mm : 1.0);
+    gl_Position = vec4((PERSPECTIVE ? ray_slope : eye) * frame.lens.xy, clamp(tested, 0.0, 1.0), 1.0);
 }

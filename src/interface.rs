@@ -88,14 +88,24 @@ constants! {
     pub const MODE_ADDITIVE: u32 = 4;
     /// Absorption alone.
     pub const MODE_XRAY: u32 = 5;
+    /// A mesh is lit at its vertices.
+    pub const MESH_GOURAUD: u32 = 0;
+    /// A mesh is lit at each pixel.
+    pub const MESH_PHONG: u32 = 1;
+    /// A mesh shows its depth in millimetres.
+    pub const MESH_DEPTH: u32 = 2;
+    /// A triangle is lit as flat where corners without a normal weigh more than one part in so many, and where the mean normal is
+    /// shorter than that.
+    pub const FLAT_ABOVE: u32 = 1024;
 }
 
 structures! {
-    /// All that is the same for every slice of a frame.
+    /// All that is the same for everything of one kind in a frame.
     pub struct FrameData {
-        /// The rows of the map from lattice coordinates to the eye frame, millimetres.
-        pub eye_from_lattice: [Vec4; 3],
-        /// Normalised device coordinates for each millimetre (parallel) or for each unit of slope, along x and y.
+        /// The rows of the map to the eye frame, millimetres: from lattice coordinates for slices, from the world for meshes.
+        pub eye_from_model: [Vec4; 3],
+        /// Normalised device coordinates for each millimetre (parallel) or for each unit of slope, along x and y; then factor and
+        /// summand of the depth that is tested, see `src/render/depths.rs`.
         pub lens: Vec4,
         /// Depth at which the depth cue begins, one over the depth that it spans, and its strength.
         pub cue: Vec4,
@@ -127,6 +137,12 @@ structures! {
         pub t_mm: f32,
         /// Index of its first moving vertex.
         pub first_vertex: u32,
+    }
+
+    /// What distinguishes one mesh from another.
+    pub struct MeshData {
+        /// Red, green and blue of all of it.
+        pub rgb: Vec4,
     }
 
     /// A polygon vertex that moves along an edge of the unit box.

@@ -59,7 +59,7 @@ impl Drawing {
 
     /// Draws and reads back a frame; nothing of an earlier one is used but its pipelines.
     pub fn draw(&self, renderer: &mut SliceRenderer) -> Outcome<(Frame, Timings, Run)> {
-        let (drawn, run) = timed(|| renderer.draw(&spec(&self.target, &self.look), &self.paged));
+        let (drawn, run) = timed(|| renderer.draw(&spec(&self.target, &self.look), &self.paged, &[]));
         let (frame, timings) = drawn?;
         Ok((frame, timings, run))
     }

@@ -28,6 +28,12 @@ pub(super) fn print_json(value: &impl Serialize) -> Result<(), CliError> {
     print(&text)
 }
 
+/// Writes a remark to stderr.
+pub(super) fn note(text: &str) {
+    // What cannot be said there cannot be said anywhere.
+    let _ = writeln!(io::stderr(), "note: {text}");
+}
+
 /// A bar on stderr for `length` steps of `what`; nothing where stderr is no terminal.
 pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("{prefix:>12} {bar:40} {percent:>3} %  {elapsed}");

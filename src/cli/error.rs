@@ -6,6 +6,8 @@ use crate::gpu::GpuError;
 use crate::image::EncodeError;
 use crate::projection::ProjectError;
 use crate::scene::SceneError;
+use crate::surface::ExtractError;
+use crate::surface::io::MeshWriteError;
 use crate::target::TargetError;
 use crate::volume::io::{ReadError, WriteError};
 
@@ -34,6 +36,12 @@ pub enum CliError {
     /// The picture file.
     #[error(transparent)]
     Picture(#[from] EncodeError),
+    /// The surface.
+    #[error(transparent)]
+    Surface(#[from] ExtractError),
+    /// The mesh file.
+    #[error(transparent)]
+    Mesh(#[from] MeshWriteError),
     /// Options that do not go together, or name nothing.
     #[error("{0}")]
     Usage(String),

@@ -63,7 +63,7 @@ fn draw_slices(renderer: &mut SliceRenderer, spec: &FrameSpec, stages: &mut Stag
     bar.finish_and_clear();
     stages.add("reconstruct", paged.reconstruct);
     stages.add("upload", paged.upload);
-    let (frame, times) = renderer.draw(spec, &paged)?;
+    let (frame, times) = renderer.draw(spec, &paged, &[])?;
     stages.add("plan", times.plan);
     stages.add("prepare", times.prepare);
     stages.add("draw", times.draw);

@@ -8,6 +8,7 @@ mod devices;
 mod error;
 mod info;
 mod job;
+mod mesh;
 mod overrides;
 mod render;
 mod source;
@@ -31,6 +32,7 @@ enum Command {
     Render(Box<render::Render>),
     Info(info::Info),
     Bake(bake::Bake),
+    Mesh(mesh::MeshCommand),
     Devices(devices::Devices),
 }
 
@@ -40,6 +42,7 @@ pub fn run() -> ExitCode {
         Command::Render(render) => render.run(),
         Command::Info(info) => info.run(),
         Command::Bake(bake) => bake.run(),
+        Command::Mesh(mesh) => mesh.run(),
         Command::Devices(devices) => devices.run(),
     };
     match result {

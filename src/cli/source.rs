@@ -25,6 +25,11 @@ pub(super) struct SourceArgs {
 }
 
 impl SourceArgs {
+    /// Whether a volume is to be sampled on another lattice than its own.
+    pub fn resamples(&self) -> bool {
+        self.spacing.is_some()
+    }
+
     /// The scene, with the options that were given in place of its own.
     pub fn load(&self) -> Result<Scene, CliError> {
         let mut scene = Scene::open(&self.path, &mut VolumeFiles)?;

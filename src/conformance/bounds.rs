@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::blend::{blend, resolve};
 use super::field::VoxelField;
 use super::hiding::Hiding;
+use super::mesh::MeshBounds;
 use super::place::Places;
 use super::precision::{Precision, ULP};
 use super::source::{Sources, Spans};
@@ -53,7 +54,22 @@ pub struct FrameBounds {
 impl FrameBounds {
     /// The bounds of `spec` for a device that draws it as `drawing` says.
     pub fn new(spec: &FrameSpec, drawing: &Drawing) -> Self {
+        Self::of(spec, Walker::new(spec, drawing))
+    }
+
+    /// Likewise, among meshes.
+    pub fn among(spec: &FrameSpec, drawing: &Drawing, meshes: &MeshBounds) -> Self {
         let walker = Walker::new(spec, drawing);
+        Self::of(
+            spec,
+            Walker {
+                meshes: Some(meshes),
+                ..walker
+            },
+        )
+    }
+
+    fn of(spec: &FrameSpec, walker: Walker) -> Self {
         let [width, height] = spec.camera.size;
         let pixel = |n: usize| {
             let (x, y) = (n as u32 % width, n as u32 / width);
@@ -121,6 +137,7 @@ struct Walker<'a> {
     sources: Sources<'a>,
     precision: Precision,
     hiding: Hiding,
+    meshes: Option<&'a MeshBounds>,
 }
 
 impl<'a> Walker<'a> {
@@ -140,11 +157,13 @@ impl<'a> Walker<'a> {
             places,
             precision: *precision,
             hiding: Hiding::new(spec, *bands),
+            meshes: None,
         }
     }
 
     fn pixel(&self, x: u32, y: u32) -> Spans {
         let Self { spec, places, .. } = self;
+        let n = y as usize * spec.camera.size[0] as usize + x as usize;
         let eye_bounds = places.eye_bounds();
         let unsure = places.depth_mm();
         let near = (eye_bounds.min.z - unsure).max(spec.camera.near_mm());
@@ -159,12 +178,16 @@ impl<'a> Walker<'a> {
             };
             if let Some(hull) = self.field.hull(&place.texels) {
                 let source = self.sources.over(&hull, eye.z, self.path(x, y, eye.z));
-                pixel = blend(blending, &source, &pixel, place.times);
+                let stop = self.meshes.map_or([1, 1], |meshes| meshes.times(n, eye.z, unsure));
+                let times = [0, 1].map(|end| stop[end] * place.times[end]);
+                pixel = blend(blending, &source, &pixel, times);
             }
         }
         let settings = spec.settings;
         let pixel = self.hiding.of(&pixel);
-        resolve(settings.mode, &pixel, spec.target.value_range, spec.transfer)
+        let pixel = resolve(settings.mode, &pixel, spec.target.value_range, spec.transfer);
+        let mode = settings.mode;
+        self.meshes.map_or(pixel, |meshes| meshes.behind(n, mode, &pixel))
     }
 
     /// Millimetres of ray a millimetre of depth: the root of 1 and the squares of an interpolated slope. It changes with the

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::precision::{Precision, ULP};
 use super::span::Span;
-use crate::projection::{FrameSpec, Shading};
+use crate::projection::{Camera, Shading};
 
 /// Lights in the frame that normals are stored in, the world.
 pub(super) struct LightSpans {
@@ -20,8 +20,8 @@ struct WorldLight {
 }
 
 impl LightSpans {
-    pub(super) fn new(spec: &FrameSpec, shading: &Shading, precision: &Precision) -> Self {
-        let world_from_eye = spec.camera.eye_from_world.matrix3.transpose();
+    pub(super) fn new(camera: &Camera, shading: &Shading, precision: &Precision) -> Self {
+        let world_from_eye = camera.eye_from_world.matrix3.transpose();
         let lights = shading.lights.iter().map(|light| WorldLight {
             towards: world_from_eye * light.towards,
             half_way: world_from_eye * (light.towards - DVec3::Z).normalize_or_zero(),
@@ -34,11 +34,15 @@ impl LightSpans {
         }
     }
 
-    /// The factor of the colour and the white highlight: the interval extension of [`Shading::response`].
+    /// What a normal that is read from texels gives.
     pub(super) fn over(&self, normal: &[Span; 3]) -> (Span, Span) {
         // In units of a normal: the steps of the sum, then a product, a difference and a quotient.
         let read = self.precision.sum_steps / 32767.0 + (65535.0 / 32767.0) * self.precision.sum;
-        let m = normal.map(|part| part.widened(read + 6.0 * ULP));
+        self.response(&normal.map(|part| part.widened(read + 6.0 * ULP)))
+    }
+
+    /// The factor of the colour and the white highlight: the interval extension of [`Shading::response`].
+    pub(super) fn response(&self, m: &[Span; 3]) -> (Span, Span) {
         let squares = m.map(Span::squared);
         let length = (squares[0] + squares[1] + squares[2])
             .rising(f64::sqrt)
@@ -46,8 +50,8 @@ impl LightSpans {
         let material = &self.shading.material;
         let (mut diffuse, mut specular) = (Span::ZERO, Span::ZERO);
         for light in &self.lights {
-            diffuse = diffuse + projected(&m, light.towards).scaled(light.intensity);
-            specular = specular + self.shine(&m, light).scaled(light.intensity);
+            diffuse = diffuse + projected(m, light.towards).scaled(light.intensity);
+            specular = specular + self.shine(m, light).scaled(light.intensity);
         }
         let factor =
             Span::ONE - length.scaled(1.0 - f64::from(material.ambient)) + diffuse.scaled(f64::from(material.diffuse));

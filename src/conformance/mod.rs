@@ -10,7 +10,10 @@ mod bounds;
 mod field;
 mod hiding;
 mod light;
+mod mesh;
+mod mesh_paint;
 mod normal;
+mod outline;
 mod place;
 mod precision;
 mod source;
@@ -19,6 +22,7 @@ mod storage;
 mod table;
 
 pub use bounds::{Drawing, FrameBounds};
+pub use mesh::MeshBounds;
 pub use precision::Precision;
 pub use span::Span;
 pub use storage::Storage;

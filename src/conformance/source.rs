@@ -35,7 +35,9 @@ impl<'a> Sources<'a> {
         Self {
             spec,
             table: TableSpans::new(&spec.table(), precision),
-            lights: spec.shading().map(|shading| LightSpans::new(spec, shading, precision)),
+            lights: spec
+                .shading()
+                .map(|shading| LightSpans::new(spec.camera, shading, precision)),
             storage: *storage,
             sum: precision.sum_steps * Storage::STEP + precision.sum,
             near_mm: depth_mm[0],

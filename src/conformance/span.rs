@@ -20,6 +20,12 @@ impl Span {
         hi: f64::NEG_INFINITY,
     };
 
+    /// Any number.
+    pub const ALL: Self = Self {
+        lo: f64::NEG_INFINITY,
+        hi: f64::INFINITY,
+    };
+
     /// Only 0.
     pub const ZERO: Self = Self::point(0.0);
 

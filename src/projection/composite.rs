@@ -5,7 +5,7 @@
 //! last step ([`resolve`]) turns what was accumulated into premultiplied RGBA.
 
 use super::{Mode, TransferFunction};
-use crate::image::Frame;
+use crate::image::{Frame, Rgba};
 use crate::math::Interval;
 
 /// The blend equation of a mode, back to front, on `[red, green, blue, alpha]`.
@@ -76,4 +76,58 @@ pub fn resolve(mode: Mode, accumulated: &Frame, value_range: Interval, transfer:
         let alpha = weight.min(1.0);
         [grey * alpha, grey * alpha, grey * alpha, alpha]
     })
+}
+
+/// `projection`, whose samples end at opaque surfaces, with the surfaces behind it: what shows of them depends on what the mode means.
+///
+/// - Composite: what the samples before it let through.
+/// - Additive: all of it, since nothing absorbs; the light of the samples is added.
+/// - The other modes show a grey that has no opacity of its own. Bright is what they are after, so a grey hides as much as it is
+///   bright: a maximum before the surface shines over it, and what is black lets it through.
+pub fn over_surfaces(mode: Mode, projection: &Frame, surfaces: &Frame) -> Frame {
+    let mut frame = projection.clone();
+    for (pixel, surface) in frame.pixels_mut().iter_mut().zip(surfaces.pixels()) {
+        if surface[3] > 0.0 {
+            *pixel = over_surface(mode, *pixel, *surface);
+        }
+    }
+    frame
+}
+
+fn over_surface(mode: Mode, pixel: Rgba, surface: Rgba) -> Rgba {
+    let through = match mode {
+        Mode::Composite => 1.0 - pixel[3],
+        Mode::Additive => 1.0,
+        Mode::Mip | Mode::MinIp | Mode::Average | Mode::XRay => 1.0 - pixel[0],
+    };
+    let [r, g, b] = [0, 1, 2].map(|c| pixel[c] + through * surface[c]);
+    [r, g, b, surface[3]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_shows_as_much_as_the_mode_lets_it() {
+        let surface = Frame::from_pixels(2, 1, vec![[0.5, 0.25, 1.0, 1.0], [0.0; 4]]).expect("two pixels");
+        let with = |mode, pixel: Rgba| {
+            let projection = Frame::from_pixels(2, 1, vec![pixel; 2]).expect("two pixels");
+            let frame = over_surfaces(mode, &projection, &surface);
+            assert_eq!(frame.pixel(1, 0), Some(pixel), "{mode:?} without a surface");
+            frame.pixel(0, 0).expect("a pixel")
+        };
+        let half = [0.25, 0.0, 0.0, 0.5];
+        assert_eq!(with(Mode::Composite, half), [0.5, 0.125, 0.5, 1.0]);
+        assert_eq!(with(Mode::Additive, half), [0.75, 0.25, 1.0, 1.0]);
+        for mode in [Mode::Mip, Mode::MinIp, Mode::Average] {
+            assert_eq!(
+                with(mode, [0.0, 0.0, 0.0, 1.0]),
+                [0.5, 0.25, 1.0, 1.0],
+                "{mode:?} of black"
+            );
+            assert_eq!(with(mode, [1.0; 4]), [1.0; 4], "{mode:?} of white");
+        }
+        assert_eq!(with(Mode::XRay, [0.5; 4]), [0.75, 0.625, 1.0, 1.0]);
+    }
 }

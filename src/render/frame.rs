@@ -1,13 +1,15 @@
 //! A plan as the structures that shaders read.
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
+use super::depths::DepthScale;
 use super::pages::{PagedTarget, texture_map};
 use crate::interface::{
     BoxData, FrameData, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE, MODE_MINIP, MODE_MIP, MODE_XRAY,
     MovingVertexData, SliceData,
 };
-use crate::projection::{FrameSpec, Lens, Mode, Shading, SlicePlan};
+use crate::projection::{Camera, FrameSpec, Lens, Mode, Shading, SlicePlan};
+use crate::surface::SurfaceView;
 
 /// The mode's number in the shaders.
 pub fn mode_constant(mode: Mode) -> u32 {
@@ -21,25 +23,24 @@ pub fn mode_constant(mode: Mode) -> u32 {
     }
 }
 
-/// What is the same for all slices.
-pub fn frame_data(spec: &FrameSpec, plan: &SlicePlan) -> FrameData {
-    let map = &plan.eye_from_lattice;
-    let row = |a: usize| vec4(map.matrix3.row(a), map.translation[a]);
-    let depth = spec.target.lattice.bounds().transformed(map);
-    let span = (depth.max.z - depth.min.z).max(f64::MIN_POSITIVE);
+/// What is the same for all that is seen in `view` and placed by `eye_from_model`, lit by `shading`.
+pub fn frame_data(
+    view: &SurfaceView,
+    eye_from_model: &DAffine3,
+    depths: &DepthScale,
+    shading: Option<&Shading>,
+) -> FrameData {
+    let row = |a: usize| vec4(eye_from_model.matrix3.row(a), eye_from_model.translation[a]);
+    let [near, far] = view.cue_mm;
+    let span = (far - near).max(f64::MIN_POSITIVE);
     let mut data = FrameData {
-        eye_from_lattice: [row(0), row(1), row(2)],
-        lens: lens(spec),
-        cue: [
-            depth.min.z as f32,
-            span.recip() as f32,
-            spec.settings.depth_cue.strength,
-            0.0,
-        ],
+        eye_from_model: [row(0), row(1), row(2)],
+        lens: lens(view.camera, depths),
+        cue: [near as f32, span.recip() as f32, view.settings.depth_cue.strength, 0.0],
         ..bytemuck::Zeroable::zeroed()
     };
-    if let Some(shading) = spec.shading() {
-        light(shading, &spec.camera.eye_from_world.matrix3, &mut data);
+    if let Some(shading) = shading {
+        light(shading, &view.camera.eye_from_world.matrix3, &mut data);
     }
     data
 }
@@ -48,13 +49,19 @@ fn vec4(v: DVec3, w: f64) -> [f32; 4] {
     v.extend(w).as_vec4().to_array()
 }
 
-fn lens(spec: &FrameSpec) -> [f32; 4] {
-    let pixels = match spec.camera.lens {
+fn lens(camera: &Camera, depths: &DepthScale) -> [f32; 4] {
+    let pixels = match camera.lens {
         Lens::Orthographic { pixels_per_mm } => pixels_per_mm,
         Lens::Perspective { focal_px, .. } => focal_px,
     };
-    let [width, height] = spec.camera.size.map(f64::from);
-    [(2.0 * pixels / width) as f32, (2.0 * pixels / height) as f32, 0.0, 0.0]
+    let [width, height] = camera.size.map(f64::from);
+    [
+        2.0 * pixels / width,
+        2.0 * pixels / height,
+        depths.factor,
+        depths.summand,
+    ]
+    .map(|number| number as f32)
 }
 
 /// Normals are stored in the world frame, so lights go there once instead of every normal to the eye.

@@ -3,20 +3,23 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::depths::DepthScale;
 use super::frame;
 use super::layers::Layers;
+use super::mesh::{ShownMesh, mesh_bounds};
 use super::pages::{Page, PagedTarget};
 use super::slices::{SliceRenderer, TABLE_FORMAT};
+use super::submissions::{SUBMISSION_FRAGMENTS, Submissions};
+use super::surfaces::{Shown, Surfaces};
 use crate::gpu::{
     Binding, Bindings, Buffer, BufferRole, Device, Draw, Elements, Extent, GpuError, GraphicsPipeline, Image,
-    ImageRole, Push, Recording, RenderPass,
+    ImageRole, Push, Recording,
 };
 use crate::image::Frame;
 use crate::interface::{MAX_VERTICES, TABLE_LEN};
-use crate::projection::{FrameSpec, SlicePlan, TransferTable, bands};
-
-/// Fragments of one submission, about: it ends within a second even on a processor.
-const SUBMISSION_FRAGMENTS: f64 = 5e7;
+use crate::math::Aabb;
+use crate::projection::{FrameSpec, SlicePlan, bands, eye_from_lattice};
+use crate::surface::SurfaceView;
 
 /// A fan of four triangles over six vertices.
 const FAN: [u32; 12] = [0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5];
@@ -37,25 +40,25 @@ pub fn fans() -> Vec<u32> {
 /// Everything that one frame needs on the device.
 pub struct Job {
     layers: Layers,
-    read_back: Arc<Buffer>,
-    recordings: Vec<Recording>,
+    surfaces: Option<Surfaces>,
+    submissions: Submissions,
 }
 
 impl Job {
-    /// Uploads what `plan` needs and records its draws.
+    /// Uploads what `plan` needs and records its draws, among `meshes`.
     pub fn new(
         renderer: &mut SliceRenderer,
         spec: &FrameSpec,
         paged: &PagedTarget,
         plan: &SlicePlan,
-        table: &TransferTable,
-        size: [u32; 2],
+        meshes: &[ShownMesh],
     ) -> Result<Self, GpuError> {
-        let device = Arc::clone(&renderer.device);
-        let layers = Layers::new(renderer, size, !plan.band_faces_mm.is_empty())?;
-        let read_back = Buffer::new(&device, "frame", BufferRole::Readback, layers.accumulated.bytes())?;
         let mut submissions = Submissions::default();
-        let shared = Shared::new(renderer, spec, paged, plan, table, submissions.last())?;
+        let scale = DepthScale::new(spec.camera, &drawn_bounds(spec, meshes));
+        let surfaces = surfaces(renderer, spec, meshes, &scale, &mut submissions)?;
+        let depth = surfaces.as_ref().map(|surfaces| &surfaces.depth);
+        let layers = Layers::new(renderer, spec.camera.size, !plan.band_faces_mm.is_empty(), depth)?;
+        let shared = Shared::new(renderer, spec, paged, plan, &scale, layers.stop(), submissions.last())?;
         submissions.last().render(layers.clear());
         for (n, band) in bands::ranges(plan).into_iter().enumerate() {
             let mut parts = parts(plan, band).into_iter();
@@ -73,56 +76,58 @@ impl Job {
         }
         Ok(Self {
             layers,
-            read_back,
-            recordings: submissions.recordings,
+            surfaces,
+            submissions,
         })
     }
 
     /// Draws.
     pub fn run(&self, device: &Arc<Device>) -> Result<(), GpuError> {
-        for recording in &self.recordings {
-            device.submit(recording)?.wait()?;
-        }
-        Ok(())
+        self.submissions.run(device)
     }
 
-    /// What was accumulated.
-    pub fn read_back(&self, device: &Arc<Device>) -> Result<Frame, GpuError> {
-        let mut recording = Recording::new();
-        let accumulated = &self.layers.accumulated;
-        recording.read_back(accumulated, &self.read_back);
-        device.submit(&recording)?.wait()?;
-        let pixels = self.read_back.read_vec::<[f32; 4]>()?;
-        let [width, height, _] = accumulated.extent().edges();
-        Ok(Frame::from_pixels(width, height, pixels).unwrap_or_else(|_| Frame::transparent(width, height)))
+    /// What was accumulated of the slices.
+    pub fn accumulated(&self, device: &Arc<Device>) -> Result<Frame, GpuError> {
+        read_back(device, &self.layers.accumulated)
+    }
+
+    /// The meshes, if there are any.
+    pub fn surfaces(&self, device: &Arc<Device>) -> Result<Option<Frame>, GpuError> {
+        let surfaces = self.surfaces.as_ref();
+        surfaces.map(|surfaces| read_back(device, &surfaces.image)).transpose()
     }
 }
 
-/// The passes of a frame, in recordings that each end in bounded time.
-#[derive(Default)]
-struct Submissions {
-    recordings: Vec<Recording>,
-    /// Fragments of the last one.
-    fragments: f64,
+/// The pixels of `image`.
+pub fn read_back(device: &Arc<Device>, image: &Arc<Image>) -> Result<Frame, GpuError> {
+    let buffer = Buffer::new(device, image.label(), BufferRole::Readback, image.bytes())?;
+    let mut recording = Recording::new();
+    recording.read_back(image, &buffer);
+    device.submit(&recording)?.wait()?;
+    let pixels = buffer.read_vec::<[f32; 4]>()?;
+    let [width, height, _] = image.extent().edges();
+    Ok(Frame::from_pixels(width, height, pixels).unwrap_or_else(|_| Frame::transparent(width, height)))
 }
 
-impl Submissions {
-    fn last(&mut self) -> &mut Recording {
-        if self.recordings.is_empty() {
-            self.recordings.push(Recording::new());
-        }
-        let last = self.recordings.len() - 1;
-        &mut self.recordings[last]
-    }
+/// The box in the eye frame of all that may be drawn.
+fn drawn_bounds(spec: &FrameSpec, meshes: &[ShownMesh]) -> Aabb {
+    let lattice = &spec.target.lattice;
+    let target = lattice.bounds().transformed(&eye_from_lattice(lattice, spec.camera));
+    target.hull(&mesh_bounds(meshes).transformed(&spec.camera.eye_from_world))
+}
 
-    fn render(&mut self, pass: RenderPass, fragments: f64) {
-        self.fragments += fragments;
-        if self.fragments > SUBMISSION_FRAGMENTS {
-            self.recordings.push(Recording::new());
-            self.fragments = fragments;
-        }
-        self.last().render(pass);
+fn surfaces(
+    renderer: &mut SliceRenderer,
+    spec: &FrameSpec,
+    meshes: &[ShownMesh],
+    scale: &DepthScale,
+    submissions: &mut Submissions,
+) -> Result<Option<Surfaces>, GpuError> {
+    if meshes.is_empty() {
+        return Ok(None);
     }
+    let view = SurfaceView::beside(spec);
+    Surfaces::new(renderer, &view, scale, meshes, Shown::Color, submissions).map(Some)
 }
 
 /// Parts of a band that each fit a submission, and their fragments.
@@ -144,6 +149,8 @@ fn parts(plan: &SlicePlan, band: Range<usize>) -> Vec<(Range<usize>, f64)> {
 /// Buffers and tables of a frame, and the bindings of each page.
 struct Shared {
     bindings: Vec<Arc<Bindings>>,
+    /// Whether there are depths to stop at.
+    stops: bool,
 }
 
 impl Shared {
@@ -152,18 +159,23 @@ impl Shared {
         spec: &FrameSpec,
         paged: &PagedTarget,
         plan: &SlicePlan,
-        table: &TransferTable,
+        scale: &DepthScale,
+        stops: bool,
         recording: &mut Recording,
     ) -> Result<Self, GpuError> {
         let device = &renderer.device;
         if plan.slices.is_empty() {
-            return Ok(Self { bindings: Vec::new() });
+            return Ok(Self {
+                bindings: Vec::new(),
+                stops,
+            });
         }
         let extent = Extent::D1(TABLE_LEN);
         let table_image = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
-        let entries = Buffer::with_data(device, "transfer table", table.entries())?;
+        let entries = Buffer::with_data(device, "transfer table", spec.table().entries())?;
         recording.upload(&entries, &table_image);
-        let data = frame::frame_data(spec, plan);
+        let view = SurfaceView::beside(spec);
+        let data = frame::frame_data(&view, &plan.eye_from_lattice, scale, spec.shading());
         let uniform = Buffer::with_data(device, "frame data", &[data])?;
         let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;
         let vertices = Buffer::with_data(device, "moving vertices", &frame::vertices(plan))?;
@@ -183,6 +195,7 @@ impl Shared {
         };
         Ok(Self {
             bindings: paged.pages.iter().map(bind).collect::<Result<_, _>>()?,
+            stops,
         })
     }
 
@@ -207,12 +220,9 @@ impl Shared {
             while end < part.end && end - begin < DRAW_SLICES as usize && page_of(end) == page {
                 end += 1;
             }
-            let pipeline = renderer.pipelines.slices(
-                &renderer.device,
-                spec,
-                paged.pages[page].mixed,
-                !plan.band_faces_mm.is_empty(),
-            )?;
+            let pipeline = renderer
+                .pipelines
+                .slices(&renderer.device, spec, paged.pages[page].mixed, self.stops)?;
             draws.push(self.draw(renderer, pipeline, page, begin..end));
             begin = end;
         }

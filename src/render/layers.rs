@@ -2,7 +2,8 @@
 //!
 //! A band is drawn into a layer of its own, over nothing; then it is blended under what is accumulated. Before the next
 //! one, pixels that hide all behind them are closed: they hold the nearest depth, which no slice passes. See
-//! [`bands`](crate::projection::bands).
+//! [`bands`](crate::projection::bands). Where there are meshes, depths begin with theirs, so slices stop at them too, in one band
+//! or in several.
 
 use std::sync::Arc;
 
@@ -17,14 +18,22 @@ use crate::gpu::{
 pub struct Layers {
     /// All bands so far.
     pub accumulated: Arc<Image>,
+    /// What slices stop at, if there is anything: meshes, and closed pixels.
+    stops: Option<Stops>,
     /// Where bands are drawn, if there are several.
     band: Option<Band>,
+}
+
+/// Depths to stop at.
+struct Stops {
+    depth: Arc<Image>,
+    /// What they begin with.
+    first: Load<f32>,
 }
 
 /// What a band is drawn with.
 struct Band {
     layer: Arc<Image>,
-    depth: Arc<Image>,
     /// Blends the layer under what is accumulated.
     merge: Draw,
     /// Closes pixels.
@@ -32,13 +41,38 @@ struct Band {
 }
 
 impl Layers {
-    /// Images for a frame of `width` by `height` pixels, in one band or in several.
-    pub fn new(renderer: &mut SliceRenderer, [width, height]: [u32; 2], several: bool) -> Result<Self, GpuError> {
+    /// Images for a frame of `width` by `height` pixels, in one band or in several, among meshes of depths `meshes`.
+    pub fn new(
+        renderer: &mut SliceRenderer,
+        [width, height]: [u32; 2],
+        several: bool,
+        meshes: Option<&Arc<Image>>,
+    ) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
         let extent = Extent::D2(width, height);
         let accumulated = color(&device, "frame", extent)?;
+        let stops = match meshes {
+            Some(depth) => Some(Stops {
+                depth: Arc::clone(depth),
+                first: Load::Keep,
+            }),
+            None if several => Some(Stops {
+                depth: depths(&device, extent)?,
+                first: Load::Clear(1.0),
+            }),
+            None => None,
+        };
         let band = several.then(|| Band::new(renderer, &accumulated, extent)).transpose()?;
-        Ok(Self { accumulated, band })
+        Ok(Self {
+            accumulated,
+            stops,
+            band,
+        })
+    }
+
+    /// Whether there are depths that slices stop at.
+    pub fn stop(&self) -> bool {
+        self.stops.is_some()
     }
 
     /// Makes the frame transparent.
@@ -58,20 +92,20 @@ impl Layers {
         let close = (n > 0).then(|| band.close.clone());
         RenderPass {
             targets: vec![target(&band.layer, Load::Clear([0.0; 4]))],
-            depth: Some(depth(&band.depth, Load::Clear(1.0))),
+            depth: self.stops.as_ref().map(|stops| {
+                let load = if n == 0 { stops.first } else { Load::Keep };
+                depth(&stops.depth, load)
+            }),
             draws: close.into_iter().chain(draws).collect(),
         }
     }
 
     /// Goes on with the band at hand.
     pub fn go_on(&self, draws: Vec<Draw>) -> RenderPass {
-        let (image, closed) = match &self.band {
-            Some(band) => (&band.layer, Some(depth(&band.depth, Load::Keep))),
-            None => (&self.accumulated, None),
-        };
+        let image = self.band.as_ref().map_or(&self.accumulated, |band| &band.layer);
         RenderPass {
             targets: vec![target(image, Load::Keep)],
-            depth: closed,
+            depth: self.stops.as_ref().map(|stops| depth(&stops.depth, Load::Keep)),
             draws,
         }
     }
@@ -94,7 +128,6 @@ impl Band {
         let merge = whole(renderer, Whole::Merge, &layer)?;
         Ok(Self {
             layer,
-            depth: Image::new(&device, "closed", ImageRole::DepthTarget, DEPTH_FORMAT, extent)?,
             merge,
             close: whole(renderer, Whole::Close, accumulated)?,
         })
@@ -114,18 +147,26 @@ fn whole(renderer: &mut SliceRenderer, what: Whole, image: &Arc<Image>) -> Resul
     })
 }
 
-fn color(device: &Arc<Device>, label: &str, extent: Extent) -> Result<Arc<Image>, GpuError> {
+/// An image of colours.
+pub fn color(device: &Arc<Device>, label: &str, extent: Extent) -> Result<Arc<Image>, GpuError> {
     Image::new(device, label, ImageRole::ColorTarget, TARGET_FORMAT, extent)
 }
 
-fn target(image: &Arc<Image>, load: Load) -> Target {
+/// An image of depths.
+pub fn depths(device: &Arc<Device>, extent: Extent) -> Result<Arc<Image>, GpuError> {
+    Image::new(device, "depths", ImageRole::DepthTarget, DEPTH_FORMAT, extent)
+}
+
+/// `image` to draw into.
+pub fn target(image: &Arc<Image>, load: Load) -> Target {
     Target {
         image: Arc::clone(image),
         load,
     }
 }
 
-fn depth(image: &Arc<Image>, load: Load<f32>) -> DepthTarget {
+/// `image` to test against.
+pub fn depth(image: &Arc<Image>, load: Load<f32>) -> DepthTarget {
     DepthTarget {
         image: Arc::clone(image),
         load,

@@ -1,13 +1,20 @@
 //! From a plan to a frame on a device: the flow's last step, carried out by `gpu`.
 
+mod depths;
 mod frame;
 mod job;
 mod layers;
+mod mesh;
+mod mesh_pieces;
 mod pages;
 mod pieces;
 mod pipelines;
 mod slices;
+mod submissions;
+mod surfaces;
 mod texels;
 
+pub use depths::DepthScale;
+pub use mesh::{DeviceMesh, DeviceMeshError, ShownMesh};
 pub use pages::{Page, PagedTarget, Slot};
 pub use slices::{SliceRenderer, Slices, Timings, plan, soft_normals};

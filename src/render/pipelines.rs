@@ -5,11 +5,13 @@ use std::hash::Hash;
 use std::sync::Arc;
 
 use super::frame;
+use super::mesh_pieces::VERTEX_INPUT;
 use super::slices::TARGET_FORMAT;
 use crate::gpu::{BindingKind, Blend, Depth, Device, GpuError, GraphicsPipeline, PipelineDesc, Topology};
+use crate::interface::MeshData;
 use crate::projection::composite::Blending;
 use crate::projection::{FrameSpec, Lens};
-use crate::shaders::{CLOSE_FRAG, MERGE_FRAG, SLICES_FRAG, SLICES_VERT, WHOLE_VERT};
+use crate::shaders::{CLOSE_FRAG, MERGE_FRAG, MESH_FRAG, MESH_VERT, SLICES_FRAG, SLICES_VERT, WHOLE_VERT};
 
 /// What distinguishes one pipeline from another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,8 +21,23 @@ struct Variant {
     lights: u32,
     shininess_log2: u32,
     perspective: bool,
-    /// In a band, whose pixels may be closed.
-    banded: bool,
+    /// There are depths to stop at: of meshes, or of closed pixels.
+    stops: bool,
+}
+
+/// What distinguishes one pipeline of meshes from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MeshVariant {
+    /// `MESH_GOURAUD`, `MESH_PHONG` or `MESH_DEPTH`.
+    pub shading: u32,
+    /// Whether each vertex has a colour of its own.
+    pub own_colors: bool,
+    /// 0 is unlit.
+    pub lights: u32,
+    /// See [`Material`](crate::projection::Material).
+    pub shininess_log2: u32,
+    /// Or parallel rays.
+    pub perspective: bool,
 }
 
 /// What is done to whole frames.
@@ -36,6 +53,7 @@ pub enum Whole {
 #[derive(Default)]
 pub struct Pipelines {
     slices: HashMap<Variant, Arc<GraphicsPipeline>>,
+    meshes: HashMap<MeshVariant, Arc<GraphicsPipeline>>,
     whole: HashMap<Whole, Arc<GraphicsPipeline>>,
 }
 
@@ -46,13 +64,18 @@ impl Pipelines {
         device: &Arc<Device>,
         spec: &FrameSpec,
         mixed: bool,
-        banded: bool,
+        stops: bool,
     ) -> Result<Arc<GraphicsPipeline>, GpuError> {
-        let variant = variant(spec, mixed, banded);
+        let variant = variant(spec, mixed, stops);
         let blending = spec.settings.mode.blending();
         made(&mut self.slices, variant, || {
             slices_pipeline(device, &variant, blending)
         })
+    }
+
+    /// The pipeline that draws meshes as `variant` says.
+    pub fn meshes(&mut self, device: &Arc<Device>, variant: MeshVariant) -> Result<Arc<GraphicsPipeline>, GpuError> {
+        made(&mut self.meshes, variant, || mesh_pipeline(device, &variant))
     }
 
     /// The pipeline that does `what`, with one image bound.
@@ -75,7 +98,7 @@ fn made<K: Copy + Eq + Hash>(
     Ok(pipeline)
 }
 
-fn variant(spec: &FrameSpec, mixed: bool, banded: bool) -> Variant {
+fn variant(spec: &FrameSpec, mixed: bool, stops: bool) -> Variant {
     let shading = spec.shading();
     Variant {
         mode: frame::mode_constant(spec.settings.mode),
@@ -83,7 +106,7 @@ fn variant(spec: &FrameSpec, mixed: bool, banded: bool) -> Variant {
         lights: shading.map_or(0, |s| s.lights.len() as u32),
         shininess_log2: shading.map_or(0, |s| s.material.shininess_log2),
         perspective: matches!(spec.camera.lens, Lens::Perspective { .. }),
-        banded,
+        stops,
     }
 }
 
@@ -121,8 +144,32 @@ fn slices_pipeline(
                 (4, u32::from(variant.perspective)),
             ],
             color_targets: &[(TARGET_FORMAT, Some(blend))],
-            depth: variant.banded.then_some(Depth::Test),
+            depth: variant.stops.then_some(Depth::Test),
             bindings: &BINDINGS,
+            ..PipelineDesc::default()
+        },
+    )
+}
+
+fn mesh_pipeline(device: &Arc<Device>, variant: &MeshVariant) -> Result<Arc<GraphicsPipeline>, GpuError> {
+    GraphicsPipeline::new(
+        device,
+        &PipelineDesc {
+            label: "meshes",
+            vertex_spirv: MESH_VERT,
+            fragment_spirv: MESH_FRAG,
+            specialization: &[
+                (0, variant.shading),
+                (1, u32::from(variant.own_colors)),
+                (2, variant.lights),
+                (3, variant.shininess_log2),
+                (4, u32::from(variant.perspective)),
+            ],
+            color_targets: &[(TARGET_FORMAT, None)],
+            depth: Some(Depth::TestAndHold),
+            bindings: &[BindingKind::Uniform],
+            push_bytes: size_of::<MeshData>() as u32,
+            vertex_input: Some(VERTEX_INPUT),
             ..PipelineDesc::default()
         },
     )

@@ -3,16 +3,22 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::job::{self, Job};
+use super::depths::DepthScale;
+use super::job::{self, Job, read_back};
+use super::mesh::{ShownMesh, mesh_bounds};
 use super::pages::{FORMATS, PagedTarget};
 use super::pipelines::Pipelines;
+use super::submissions::Submissions;
+use super::surfaces::{Shown, Surfaces};
 use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler};
-use crate::image::Frame;
+use crate::image::{Frame, Rgba};
 use crate::interface::TABLE_LEN;
 use crate::projection::{
-    DrawCost, FrameSpec, ProjectError, Projector, SlicePlan, SoftNormals, TransferTable, Visibility, VisibleValues,
+    Camera, DrawCost, FrameSpec, ProjectError, Projector, Settings, SlicePlan, SoftNormals, TransferTable, Visibility,
+    VisibleValues,
 };
 use crate::projection::{bands, composite};
+use crate::surface::SurfaceView;
 
 /// The format that slices are blended in.
 pub const TARGET_FORMAT: Format = Format::R32G32B32A32_SFLOAT;
@@ -75,15 +81,25 @@ impl SliceRenderer {
         &self.device
     }
 
-    /// Draws one frame of a target that is on the device: premultiplied, without background.
+    /// Draws one frame of a target that is on the device, and of opaque meshes in it, at which its slices stop: premultiplied,
+    /// without background.
+    ///
+    /// A slice is drawn at a pixel if its plane is nearer than the mesh there, and then stands for its whole slab. So of the slab
+    /// that the surface lies in, up to half too much or too little is seen. How the volume lies over a mesh in each mode is at
+    /// [`composite::over_surfaces`].
     ///
     /// # Errors
     /// If the device has not enough memory or is lost, or the frame's size is impossible.
-    pub fn draw(&mut self, spec: &FrameSpec, paged: &PagedTarget) -> Result<(Frame, Timings), ProjectError> {
+    pub fn draw(
+        &mut self,
+        spec: &FrameSpec,
+        paged: &PagedTarget,
+        meshes: &[ShownMesh],
+    ) -> Result<(Frame, Timings), ProjectError> {
         let begin = Instant::now();
         let plan = plan(spec, paged);
         let planned = begin.elapsed();
-        let (frame, timings) = self.draw_plan(spec, paged, &plan)?;
+        let (frame, timings) = self.draw_plan(spec, paged, &plan, meshes)?;
         Ok((
             frame,
             Timings {
@@ -102,18 +118,22 @@ impl SliceRenderer {
         spec: &FrameSpec,
         paged: &PagedTarget,
         plan: &SlicePlan,
+        meshes: &[ShownMesh],
     ) -> Result<(Frame, Timings), ProjectError> {
-        let size = self.checked_size(spec)?;
+        self.require_size(spec.camera)?;
         let begin = Instant::now();
-        let table = spec.table();
-        let job = Job::new(self, spec, paged, plan, &table, size).map_err(device_error)?;
+        let job = Job::new(self, spec, paged, plan, meshes).map_err(device_error)?;
         let prepared = Instant::now();
         job.run(&self.device).map_err(device_error)?;
         let drawn = Instant::now();
-        let accumulated = job.read_back(&self.device).map_err(device_error)?;
-        let settings = spec.settings;
-        let range = spec.target.value_range;
-        let frame = composite::resolve(settings.mode, &accumulated, range, spec.transfer);
+        let accumulated = job.accumulated(&self.device).map_err(device_error)?;
+        let surfaces = job.surfaces(&self.device).map_err(device_error)?;
+        let mode = spec.settings.mode;
+        let projection = composite::resolve(mode, &accumulated, spec.target.value_range, spec.transfer);
+        let frame = match surfaces {
+            Some(surfaces) => composite::over_surfaces(mode, &projection, &surfaces),
+            None => projection,
+        };
         let timings = Timings {
             plan: Duration::ZERO,
             prepare: prepared - begin,
@@ -123,11 +143,53 @@ impl SliceRenderer {
         Ok((frame, timings))
     }
 
-    fn checked_size(&self, spec: &FrameSpec) -> Result<[u32; 2], ProjectError> {
-        let [width, height] = spec.camera.size;
+    /// Draws meshes alone: premultiplied, without background. The depth cue spans them.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_meshes(
+        &mut self,
+        camera: &Camera,
+        settings: &Settings,
+        meshes: &[ShownMesh],
+    ) -> Result<Frame, ProjectError> {
+        self.draw_alone(camera, settings, meshes, Shown::Color)
+    }
+
+    /// The depth of the nearest mesh at each pixel in millimetres, top row first; infinite where there is none.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn mesh_depths(&mut self, camera: &Camera, meshes: &[ShownMesh]) -> Result<Vec<f32>, ProjectError> {
+        let frame = self.draw_alone(camera, &Settings::default(), meshes, Shown::Depth)?;
+        let depth = |[depth, .., there]: &Rgba| if *there > 0.0 { *depth } else { f32::INFINITY };
+        Ok(frame.pixels().iter().map(depth).collect())
+    }
+
+    fn draw_alone(
+        &mut self,
+        camera: &Camera,
+        settings: &Settings,
+        meshes: &[ShownMesh],
+        shown: Shown,
+    ) -> Result<Frame, ProjectError> {
+        self.require_size(camera)?;
+        let bounds = mesh_bounds(meshes);
+        let view = SurfaceView::alone(camera, settings, &bounds);
+        let scale = DepthScale::new(camera, &bounds.transformed(&camera.eye_from_world));
+        let mut submissions = Submissions::default();
+        let drawn = Surfaces::new(self, &view, &scale, meshes, shown, &mut submissions).and_then(|surfaces| {
+            submissions.run(&self.device)?;
+            read_back(&self.device, &surfaces.image)
+        });
+        drawn.map_err(device_error)
+    }
+
+    fn require_size(&self, camera: &Camera) -> Result<(), ProjectError> {
+        let [width, height] = camera.size;
         let limit = self.device.info().limits.image_dimension_2d;
         if (1..=limit).contains(&width) && (1..=limit).contains(&height) {
-            Ok([width, height])
+            Ok(())
         } else {
             Err(ProjectError::FrameSize { width, height, limit })
         }
@@ -161,7 +223,7 @@ impl Projector for Slices {
         let normals = soft_normals(spec);
         let device = Arc::clone(self.renderer.device());
         let paged = PagedTarget::new(&device, spec.target, normals.as_ref(), &mut |_| {}).map_err(device_error)?;
-        Ok(self.renderer.draw(spec, &paged)?.0)
+        Ok(self.renderer.draw(spec, &paged, &[])?.0)
     }
 }
 

@@ -12,11 +12,14 @@
 use super::cases::{CASES, CORNER_EDGES, Case};
 use super::inside::InsideRows;
 
-/// The kinds of vertices: on x, y and z edges, and on voxels.
+/// The kinds of vertices: on x, y and z edges, and others.
 pub(super) const KINDS: usize = 4;
 
 /// The kind of vertices that lie on voxels; those below it are the edges' axes.
 pub(super) const ON_VOXELS: usize = 3;
+
+/// The kind of vertices that lie within cells, in the trilinear topology, which has none on voxels.
+pub(super) const IN_CELLS: usize = 3;
 
 /// How many vertices of each kind start in a row of voxels, and triangles in the row of cells there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,8 +41,8 @@ pub(super) struct RowPlan {
 
 /// The bits of the four rows of voxels round a row of cells: bit 0 of an index is the upper one in y, bit 1 in z.
 ///
-/// A row of voxels at the lattice's upper border has no row of cells; the missing rows are the border's own once more, so
-/// that no edge towards them is crossed.
+/// A row of voxels at the upper border of the lattice, or of the slices held, has no row of cells; the missing rows are the
+/// border's own once more, so that no edge towards them is crossed.
 #[derive(Clone, Copy)]
 pub(super) struct RowsRound<'a> {
     inside: [&'a [u64]; 4],
@@ -53,8 +56,8 @@ impl<'a> RowsRound<'a> {
     /// The rows round row `j` of slice `k`.
     #[inline(always)]
     pub fn new(rows: &'a InsideRows, j: usize, k: usize) -> Self {
-        let [width, ny, nz] = rows.dims;
-        let (up, above) = ((j + 1).min(ny - 1), (k + 1).min(nz - 1));
+        let [width, ny, _] = rows.dims;
+        let (up, above) = ((j + 1).min(ny - 1), (k + 1).min(rows.slices.end - 1));
         Self {
             inside: [rows.row(j, k), rows.row(up, k), rows.row(j, above), rows.row(up, above)],
             on: [rows.on(j, k), rows.on(up, k), rows.on(j, above), rows.on(up, above)],
@@ -78,6 +81,12 @@ impl<'a> RowsRound<'a> {
             on: Corners::new(&self.on, w),
             cells: if starts >= 64 { u64::MAX } else { (1 << starts) - 1 },
         }
+    }
+
+    /// The cells with corners both inside and outside in word `w`.
+    #[inline(always)]
+    pub fn active(&self, w: usize) -> u64 {
+        self.word(w).active()
     }
 
     /// The vertices of `kind` in word `w` of the first row.
@@ -184,10 +193,9 @@ impl Iterator for SetBits {
 /// Counts what each row of slice `k` makes.
 #[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
 pub(super) fn count(rows: &InsideRows, k: usize, counts: &mut [RowCount]) {
-    let [_, ny, nz] = rows.dims;
     for (j, count) in counts.iter_mut().enumerate() {
         let round = RowsRound::new(rows, j, k);
-        let has_cells = j + 1 < ny && k + 1 < nz;
+        let has_cells = j + 1 < rows.dims[1] && k + 1 < rows.slices.end;
         *count = RowCount::default();
         for w in 0..round.words() {
             let word = round.word(w);
@@ -260,7 +268,7 @@ pub(super) fn connect(rows: &InsideRows, k: usize, plan: [&[RowPlan]; 2], triang
         let mut first = [lower[j].first, lower[j + 1].first, upper[j].first, upper[j + 1].first];
         for w in 0..round.words() {
             let word = round.word(w);
-            let numbering = Numbering::new(&word);
+            let numbering = Numbering::of(&word);
             let through = word.on.any();
             for i in SetBits(word.active()) {
                 let case = &CASES[word.inside.of_cell(i)];
@@ -292,8 +300,13 @@ pub(super) struct Numbering {
 }
 
 impl Numbering {
+    /// The vertices in word `w`.
+    pub fn new(round: &RowsRound<'_>, w: usize) -> Self {
+        Self::of(&round.word(w))
+    }
+
     #[inline(always)]
-    pub fn new(word: &CellWord) -> Self {
+    pub fn of(word: &CellWord) -> Self {
         Self {
             x: [word.own_x(0), word.own_x(1), word.own_x(2), word.own_x(3)],
             y: [word.own_across(0, 1), word.own_across(2, 3)],

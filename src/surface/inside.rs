@@ -6,6 +6,8 @@
 //! *Practice.* The isovalue is turned into the smallest value of the voxels' own type that is inside, so that voxels are
 //! compared as they are.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::slices::Slices;
@@ -17,16 +19,27 @@ pub(super) struct InsideRows {
     /// Voxels of the isovalue itself with a neighbour outside: the vertices on all their crossed edges are one. Empty where
     /// no voxel can have it.
     on: Vec<u64>,
-    /// Voxels along each axis.
+    /// The slices that are held.
+    pub slices: Range<usize>,
+    /// Voxels along each axis of the whole lattice.
     pub dims: [usize; 3],
 }
 
+/// What becomes of vertices that lie on one voxel because it has the isovalue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ties {
+    /// They are one from the start, if all slices are held.
+    OneVertex,
+    /// They are several.
+    Apart,
+}
+
 impl InsideRows {
-    /// The bits of all slices of a lattice for the surface at `iso`; `None` where the voxels' type ends below it.
-    pub fn of<T: Voxel>(slices: Slices<'_, T>, iso: f64) -> Option<Self> {
+    /// The bits of `held` slices for the surface at `iso`; `None` where the voxels' type ends below it.
+    pub fn of<T: Voxel>(slices: Slices<'_, T>, held: Range<usize>, iso: f64, ties: Ties) -> Option<Self> {
         let smallest_inside = T::not_below(iso)?;
-        let mut rows = Self::outside(slices.dims);
-        if smallest_inside.to_f64() == iso {
+        let mut rows = Self::outside(slices.dims, held);
+        if ties == Ties::OneVertex && smallest_inside.to_f64() == iso {
             rows.classify_and_find(slices, smallest_inside);
         } else {
             rows.classify(slices, smallest_inside);
@@ -34,11 +47,12 @@ impl InsideRows {
         Some(rows)
     }
 
-    /// The bits of a lattice no voxel of which is inside.
-    pub fn outside(dims: [usize; 3]) -> Self {
+    /// The bits of `held` slices of a lattice no voxel of which is inside.
+    pub fn outside(dims: [usize; 3], held: Range<usize>) -> Self {
         Self {
-            inside: vec![0; dims[0].div_ceil(64) * dims[1] * dims[2]],
+            inside: vec![0; dims[0].div_ceil(64) * dims[1] * held.len()],
             on: Vec::new(),
+            slices: held,
             dims,
         }
     }
@@ -49,8 +63,8 @@ impl InsideRows {
 
     fn classify<T: Voxel>(&mut self, slices: Slices<'_, T>, smallest_inside: T) {
         let words_a_slice = self.words_a_row() * self.dims[1];
-        let tasks = self.inside.par_chunks_mut(words_a_slice).enumerate();
-        tasks.for_each(|(k, inside)| classify(slices.slice(k), slices.dims[0], smallest_inside, inside));
+        let tasks = self.inside.par_chunks_mut(words_a_slice).zip(self.slices.clone());
+        tasks.for_each(|(inside, k)| classify(slices.slice(k), slices.dims[0], smallest_inside, inside));
     }
 
     /// Classifies, and finds the voxels of the isovalue. Where a value is not finite none is kept: an edge to it has its
@@ -63,12 +77,12 @@ impl InsideRows {
             .par_chunks_mut(words_a_slice)
             .zip(on.par_chunks_mut(words_a_slice));
         let finite = tasks
-            .enumerate()
-            .map(|(k, (inside, on))| classify_and_find(slices.slice(k), slices.dims[0], iso, inside, on))
+            .zip(self.slices.clone())
+            .map(|((inside, on), k)| classify_and_find(slices.slice(k), slices.dims[0], iso, inside, on))
             .reduce(|| true, |a, b| a && b);
         if finite {
-            let tasks = on.par_chunks_mut(words_a_slice).enumerate();
-            tasks.for_each(|(k, on)| self.keep_near_outside(k, on));
+            let tasks = on.par_chunks_mut(words_a_slice).zip(self.slices.clone());
+            tasks.for_each(|(on, k)| self.keep_near_outside(k, on));
             self.on = on;
         }
     }
@@ -107,16 +121,17 @@ impl InsideRows {
     #[inline(always)]
     pub fn row(&self, j: usize, k: usize) -> &[u64] {
         let words = self.words_a_row();
-        &self.inside[words * (j + self.dims[1] * k)..][..words]
+        &self.inside[words * (j + self.dims[1] * (k - self.slices.start))..][..words]
     }
 
     /// The bits of the voxels of row `j` of slice `k` that the surface goes through; none at all where there are none.
     #[inline(always)]
     pub fn on(&self, j: usize, k: usize) -> &[u64] {
+        if self.on.is_empty() {
+            return &[];
+        }
         let words = self.words_a_row();
-        self.on
-            .get(words * (j + self.dims[1] * k)..)
-            .map_or(&[], |rows| &rows[..words.min(rows.len())])
+        &self.on[words * (j + self.dims[1] * (k - self.slices.start))..][..words]
     }
 }
 
@@ -201,7 +216,7 @@ mod tests {
                 first_slice: 0,
                 dims: [width, 3, 1],
             };
-            let rows = InsideRows::of(slices, 5.0).expect("bits");
+            let rows = InsideRows::of(slices, 0..1, 5.0, Ties::OneVertex).expect("bits");
             for (n, row) in voxels.chunks(width).enumerate() {
                 let bit = |i: usize| rows.row(n, 0).get(i / 64).is_some_and(|w| w >> (i % 64) & 1 == 1);
                 for i in 0..width.div_ceil(64) * 64 {

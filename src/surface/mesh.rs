@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::extract::ExtractError;
+
 /// Triangles that share vertices. Positions are LPS millimetres.
 ///
 /// A mesh from extraction is closed away from the lattice's border, wound counterclockwise seen from the side of lower values.
@@ -33,6 +35,29 @@ pub struct Part {
 }
 
 impl Mesh {
+    /// Adds the vertices and triangles of `other`; its parts get labels above those that are there.
+    ///
+    /// # Errors
+    /// [`ExtractError::TooLarge`] if there are more vertices than `u32` counts; the mesh is then as it was.
+    pub fn append(&mut self, mut other: Self) -> Result<(), ExtractError> {
+        let too_large = |_| ExtractError::TooLarge { what: "vertices" };
+        u32::try_from(self.positions.len() + other.positions.len()).map_err(too_large)?;
+        let (vertices, triangles) = (self.positions.len() as u32, self.triangles.len());
+        let labels = self.parts.iter().map(|part| part.label + 1).max().unwrap_or(0);
+        self.positions.append(&mut other.positions);
+        self.normals.append(&mut other.normals);
+        self.values.append(&mut other.values);
+        self.colors.append(&mut other.colors);
+        self.triangles
+            .extend(other.triangles.into_iter().map(|t| t.map(|v| v + vertices)));
+        self.parts.extend(other.parts.into_iter().map(|part| Part {
+            label: part.label + labels,
+            triangles: part.triangles.start + triangles..part.triangles.end + triangles,
+            ..part
+        }));
+        Ok(())
+    }
+
     /// Whether there is no triangle.
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()

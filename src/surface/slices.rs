@@ -19,6 +19,12 @@ impl<'a, T: Voxel> Slices<'a, T> {
         &self.voxels[(k - self.first_slice) * plane..][..plane]
     }
 
+    /// The voxel `index` of the lattice.
+    #[inline(always)]
+    pub fn value(&self, [i, j, k]: [usize; 3]) -> f64 {
+        self.row(j, k)[i].to_f64()
+    }
+
     #[inline(always)]
     fn row(&self, j: usize, k: usize) -> &'a [T] {
         let width = self.dims[0];

@@ -9,9 +9,10 @@
 //! positions are its own bit for bit. What an edge needs of the voxels is gathered first, for many edges; the arithmetic then
 //! runs over all of them in wide registers. No operation is fused or reordered, so every version gives the same bits.
 
-use glam::{DAffine3, DMat3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::cells::{KINDS, ON_VOXELS, RowPlan, RowsRound, SetBits};
+use super::extract::ExtractError;
 use super::inside::InsideRows;
 use super::slices::{HERE, NEIGHBOURS, Slices, Stencil};
 use crate::volume::Voxel;
@@ -24,11 +25,29 @@ pub(super) struct Hit {
     pub vertex: u32,
 }
 
+impl Hit {
+    /// `vertex` falls on the voxel `index` of a lattice of `dims`.
+    pub fn new([x, y, z]: [usize; 3], dims: [usize; 3], vertex: u32) -> Self {
+        let voxel = x as u64 + dims[0] as u64 * (y as u64 + dims[1] as u64 * z as u64);
+        Self { voxel, vertex }
+    }
+}
+
+/// A vertex whose place on its edge is not known: one of the ends is not a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Loose {
+    /// The voxel that the edge starts from.
+    pub voxel: [usize; 3],
+    pub axis: usize,
+    pub vertex: u32,
+}
+
 /// Where a slice's vertices are written to.
 pub(super) struct VertexSink<'a> {
     pub positions: &'a mut [[f32; 3]],
     pub normals: &'a mut [[f32; 3]],
     pub hits: Vec<Hit>,
+    pub loose: Vec<Loose>,
     /// The number of the first of the slice's vertices.
     pub first: u32,
     /// How many are written.
@@ -46,12 +65,43 @@ pub(super) struct Level {
 
 impl Level {
     /// The surface at `iso` in a lattice whose voxels lie in the world as `world_from_index`, which can be inverted, says.
-    pub fn new(iso: f64, world_from_index: DAffine3) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// [`ExtractError::NoIsovalue`].
+    pub fn new(iso: f64, world_from_index: DAffine3) -> Result<Self, ExtractError> {
+        if !iso.is_finite() {
+            return Err(ExtractError::NoIsovalue { iso });
+        }
+        Ok(Self {
             iso,
             world_from_index,
             normal_from_gradient: -world_from_index.matrix3.inverse().transpose(),
-        }
+        })
+    }
+
+    /// The value whose surface it is.
+    pub fn iso(&self) -> f64 {
+        self.iso
+    }
+
+    /// Whether the lattice is a reflection, which turns triangles over.
+    pub fn is_mirrored(&self) -> bool {
+        self.world_from_index.matrix3.determinant() < 0.0
+    }
+
+    /// Where a place of the lattice is in the world. Terms are added in the order in which VTK adds them.
+    #[inline(always)]
+    pub fn position(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let m = &self.world_from_index.matrix3;
+        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+        let world = m.x_axis * x + m.y_axis * y + m.z_axis * z + self.world_from_index.translation;
+        world.as_vec3().to_array()
+    }
+
+    /// The unit normal where the gradient is `gradient`, in values a voxel; zero where that has no direction.
+    pub fn normal(&self, gradient: DVec3) -> [f32; 3] {
+        let normal = (self.normal_from_gradient * gradient).try_normalize();
+        normal.unwrap_or(DVec3::ZERO).as_vec3().to_array()
     }
 }
 
@@ -182,7 +232,7 @@ impl<T: Voxel> Batch<T> {
         }
     }
 
-    /// Writes the vertices, notes which of them fall on voxels of a lattice of `dims`, and empties the batch.
+    /// Writes the vertices, notes those of them that fall on voxels of a lattice of `dims` or nowhere, and empties the batch.
     #[inline(always)]
     fn flush(&mut self, level: &Level, dims: [usize; 3], vertices: &mut Vertices, sink: &mut VertexSink<'_>) {
         self.vertices(level, vertices);
@@ -198,20 +248,19 @@ impl<T: Voxel> Batch<T> {
         }
         let edges = if self.kind == ON_VOXELS { 0 } else { self.len };
         for n in 0..edges {
-            let lower = if self.kind == 2 {
-                self.slice as f32
-            } else {
-                self.index[self.kind][n] as f32
-            };
-            let ends = [vertices.along[n] == lower, vertices.along[n] == lower + 1.0];
-            if ends[0] || ends[1] {
-                let mut voxel = [self.index[0][n] as u64, self.index[1][n] as u64, self.slice as u64];
-                voxel[self.kind] += u64::from(!ends[0]);
-                let [x, y, z] = voxel;
-                sink.hits.push(Hit {
-                    voxel: x + dims[0] as u64 * (y + dims[1] as u64 * z),
-                    vertex: sink.first + (sink.written + n) as u32,
+            let voxel = [self.index[0][n] as usize, self.index[1][n] as usize, self.slice];
+            let (along, lower) = (vertices.along[n], voxel[self.kind] as f32);
+            let vertex = sink.first + (sink.written + n) as u32;
+            if along.is_nan() {
+                sink.loose.push(Loose {
+                    voxel,
+                    axis: self.kind,
+                    vertex,
                 });
+            } else if along == lower || along == lower + 1.0 {
+                let mut on = voxel;
+                on[self.kind] += usize::from(along != lower);
+                sink.hits.push(Hit::new(on, dims, vertex));
             }
         }
         sink.written += self.len;

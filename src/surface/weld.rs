@@ -82,12 +82,17 @@ fn close_up(mesh: &mut Mesh, merged: &[Merged]) -> HashMap<u32, u32> {
     let last = (kept as u32..mesh.positions.len() as u32).filter(|v| !gone.contains(v));
     let mut renamed: HashMap<u32, u32> = HashMap::new();
     for (place, from) in gone.iter().zip(last) {
-        mesh.positions[*place as usize] = mesh.positions[from as usize];
-        mesh.normals[*place as usize] = mesh.normals[from as usize];
-        renamed.insert(from, *place);
+        let (place, from) = (*place as usize, from as usize);
+        mesh.positions[place] = mesh.positions[from];
+        mesh.normals[place] = mesh.normals[from];
+        if !mesh.values.is_empty() {
+            mesh.values[place] = mesh.values[from];
+        }
+        renamed.insert(from as u32, place as u32);
     }
     mesh.positions.truncate(kept);
     mesh.normals.truncate(kept);
+    mesh.values.truncate(kept);
     for m in merged {
         let into = renamed.get(&m.into).copied().unwrap_or(m.into);
         renamed.insert(m.gone, into);

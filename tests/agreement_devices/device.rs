@@ -27,7 +27,7 @@ pub fn on_device(test: impl FnOnce(&mut Bench)) {
 
 /// A renderer on the device under test, and what the device promises.
 pub struct Bench {
-    renderer: SliceRenderer,
+    pub renderer: SliceRenderer,
     pub precision: Precision,
 }
 
@@ -70,7 +70,7 @@ impl Bench {
     }
 
     pub fn draw(&mut self, spec: &FrameSpec, prepared: &Prepared) -> Frame {
-        let drawn = self.renderer.draw_plan(spec, &prepared.paged, &prepared.plan);
+        let drawn = self.renderer.draw_plan(spec, &prepared.paged, &prepared.plan, &[]);
         drawn.expect("a frame").0
     }
 

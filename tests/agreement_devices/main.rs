@@ -8,15 +8,18 @@ mod blocks;
 mod bound_widths;
 mod comparators;
 mod device;
+mod meshes;
+mod meshes_inside;
 mod modes;
 mod random;
 mod scene;
+mod shapes;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every law; each panics with what is wrong.
-const LAWS: [fn(); 11] = [
+const LAWS: [fn(); 17] = [
     blocks::one_block_or_many_the_picture_is_the_same,
     bound_widths::a_smooth_scene_has_narrow_bounds,
     comparators::a_shifted_pixel_is_out_of_bounds,
@@ -24,6 +27,12 @@ const LAWS: [fn(); 11] = [
     comparators::swapped_blocks_are_out_of_bounds,
     comparators::flipped_operands_are_out_of_bounds,
     comparators::half_a_texel_is_out_of_bounds,
+    meshes::meshes_are_within_bounds,
+    meshes::a_sheet_has_narrow_bounds,
+    meshes::odd_meshes_do_no_harm,
+    meshes::wrong_meshes_are_out_of_bounds,
+    meshes_inside::slices_stop_at_meshes,
+    meshes_inside::a_mesh_too_far_back_is_out_of_bounds,
     modes::the_same_scene_gives_the_same_bytes,
     modes::what_is_hidden_may_be_left_out,
     modes::slices_agree_with_the_reference,

@@ -9,8 +9,8 @@ use super::table::{Relations, Side, Work};
 use super::{Border, CAP, FIRST_FACE, Group, Pieces, Point, SURFACE, Task};
 use crate::math::affine;
 use crate::surface::cases::CASES;
-use crate::surface::cells::{CellWord, KINDS, Numbering, RowsRound, SetBits, corners, is_whole};
-use crate::surface::inside::InsideRows;
+use crate::surface::cells::{CellWord, KINDS, Numbering, RowPlan, RowsRound, SetBits, corners, is_whole};
+use crate::surface::inside::{InsideRows, Ties};
 use crate::surface::slices::Slices;
 
 /// What the cells between slices `k` and `k + 1` make.
@@ -25,7 +25,8 @@ pub(super) fn march(task: &Task<'_>, k: usize) -> Pieces {
         first_slice: 0,
         dims,
     };
-    let cutter = InsideRows::of(slices, 0.0).unwrap_or_else(|| InsideRows::outside(dims));
+    let cutter = InsideRows::of(slices, 0..2, 0.0, Ties::Apart).unwrap_or_else(|| InsideRows::outside(dims, 0..2));
+    let plan = [k, k + 1].map(|k| task.surface.rows(&task.rows, k));
     let mut layer = Layer {
         task,
         k,
@@ -33,7 +34,7 @@ pub(super) fn march(task: &Task<'_>, k: usize) -> Pieces {
         pieces: Pieces::default(),
     };
     for j in 0..ny - 1 {
-        layer.march_row(&cutter, j);
+        layer.march_row(&cutter, &plan, j);
     }
     layer.pieces.points.sort_by_key(|(vertex, _)| *vertex);
     layer.pieces.points.dedup_by_key(|(vertex, _)| *vertex);
@@ -59,14 +60,14 @@ struct Block<'a> {
 }
 
 impl Layer<'_> {
-    fn march_row(&mut self, cutter: &InsideRows, j: usize) {
-        let Task { surface, operation, .. } = self.task;
-        let scan_rows = RowsRound::new(&surface.rows, j, self.k);
+    fn march_row(&mut self, cutter: &InsideRows, [lower, upper]: &[Vec<RowPlan>; 2], j: usize) {
+        let Task { rows, operation, .. } = self.task;
+        let scan_rows = RowsRound::new(rows, j, self.k);
         let cutter_rows = RowsRound::new(cutter, j, 0);
-        let mut first = surface.first(j, self.k);
+        let mut first = [&lower[j], &lower[j + 1], &upper[j], &upper[j + 1]].map(|row| row.first);
         for w in 0..scan_rows.words() {
             let (word, cutter) = (scan_rows.word(w), cutter_rows.word(w));
-            let numbering = Numbering::new(&word);
+            let numbering = Numbering::of(&word);
             let block = Block {
                 word: &word,
                 numbering: &numbering,

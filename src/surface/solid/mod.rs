@@ -13,20 +13,24 @@
 //! *Practice.* Cells on one of the surfaces only are told apart by the bits of rows of voxels, and make the triangles of marching
 //! cubes. Layers of cells are worked on at once; vertices they share have the same names, by which they are put together.
 
-mod assemble;
 mod cap;
 mod cell;
 mod clip;
 mod cutter;
+mod join;
 mod layer;
 mod table;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::extract::{ExtractError, Unwelded};
+use super::assemble::Assembly;
+use super::extract::{ExtractError, Topology};
+use super::inside::{InsideRows, Ties};
 use super::mesh::Mesh;
-use crate::volume::Grid;
+use super::slices::Slices;
+use super::vertices::Level;
+use crate::volume::{Grid, Voxels, for_type};
 use cell::Vertex;
 pub use cutter::Cutter;
 use cutter::Sampler;
@@ -95,23 +99,36 @@ pub fn combine(
     cutter: Cutter<'_>,
     options: SolidOptions,
 ) -> Result<Mesh, ExtractError> {
-    if !iso.is_finite() {
-        return Err(ExtractError::NoIsovalue);
-    }
+    let mut surface = Assembly::new(Level::new(iso, *grid.world_from_index())?, grid.dims(), Topology::Vtk);
     if grid.dims().iter().any(|n| *n < 2) {
         return Ok(Mesh::default());
     }
+    let rows = extract(grid, iso, &mut surface)?;
     let task = Task {
         grid,
         iso,
         operation,
         cutter: cutter.on(grid.world_from_index()),
         border: options.border,
-        surface: Unwelded::of(grid, iso)?,
+        surface,
+        rows,
     };
     let layers = (0..grid.dims()[2] - 1).into_par_iter();
     let pieces = layers.map(|k| layer::march(&task, k)).collect();
-    assemble::assemble(&task, pieces, options.creases)
+    join::join(&task, pieces, options.creases)
+}
+
+/// Extracts the scan's surface, all but the welding, and returns its voxels' bits.
+fn extract(grid: &Grid, iso: f64, surface: &mut Assembly) -> Result<InsideRows, ExtractError> {
+    let dims = grid.dims();
+    let held = 0..dims[2];
+    for_type!(Voxels, grid.voxels(), voxels => {
+        let slices = Slices { voxels, first_slice: 0, dims };
+        let rows = InsideRows::of(slices, held.clone(), iso, Ties::OneVertex);
+        let rows = rows.unwrap_or_else(|| InsideRows::outside(dims, held.clone()));
+        surface.add(slices, &rows, held)?;
+        Ok(rows)
+    })
 }
 
 /// All that a layer of cells is made from.
@@ -121,7 +138,10 @@ struct Task<'a> {
     operation: Operation,
     cutter: Sampler<'a>,
     border: Border,
-    surface: Unwelded,
+    /// The scan's surface, in which vertices are still numbered by the edges they lie on.
+    surface: Assembly,
+    /// The voxels inside it.
+    rows: InsideRows,
 }
 
 /// What triangles belong to: 0 is the scan's surface, 1 the cap, and the rest are the faces of the lattice's border.

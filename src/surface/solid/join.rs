@@ -13,19 +13,19 @@ use crate::surface::mesh::{Mesh, Part};
 use crate::surface::weld;
 
 /// Puts the pieces together.
-pub(super) fn assemble(task: &Task<'_>, pieces: Vec<Pieces>, creases: Creases) -> Result<Mesh, ExtractError> {
-    let mut pieces = join(pieces);
+pub(super) fn join(task: &Task<'_>, pieces: Vec<Pieces>, creases: Creases) -> Result<Mesh, ExtractError> {
+    let mut pieces = of_all_layers(pieces);
     weld(task, &mut pieces);
     let names = Names::new(task, &pieces, creases)?;
     let mut mesh = names.vertices(task, &pieces.points);
     add_triangles(&mut mesh, task, &pieces, &names)?;
-    if task.grid.world_from_index().matrix3.determinant() < 0.0 {
+    if task.surface.level.is_mirrored() {
         mesh.triangles.par_iter_mut().for_each(|t| t.swap(1, 2));
     }
     Ok(mesh)
 }
 
-fn join(pieces: Vec<Pieces>) -> Pieces {
+fn of_all_layers(pieces: Vec<Pieces>) -> Pieces {
     let mut all = Pieces::default();
     for layer in pieces {
         all.surface.extend(layer.surface);
