@@ -320,6 +320,35 @@ fn sharp_creases_have_the_same_triangles() {
     }
 }
 
+/// Normals of the surface, of caps and of the border point to where triangles face.
+#[test]
+fn caps_face_where_their_normals_point() {
+    let ball = sampled(24, |p| 1.2 - p.length());
+    let other = sampled(24, |p| 0.8 - (p - DVec3::splat(0.4)).length());
+    let options = SolidOptions {
+        border: Border::Closed,
+        creases: Creases::Sharp,
+    };
+    for operation in OPERATIONS {
+        let mesh = combine(&ball, 0.0, operation, Cutter::level(&other, 0.0), options).expect("a mesh");
+        for part in &mesh.parts {
+            assert!(!part.triangles.is_empty() || (part.label, operation) == (0, Operation::Intersection));
+            let facing = part.triangles.clone().map(|n| {
+                let [a, b, c] = measure::corners(&mesh, n);
+                let normals = mesh.triangles[n].map(|v| glam::Vec3::from(mesh.normals[v as usize]).as_dvec3());
+                (b - a).cross(c - a).dot(normals.into_iter().sum())
+            });
+            // Slivers may turn when they are rounded.
+            let (right, wrong) = facing.fold((0.0, 0.0), |(r, w), f| (r + f64::max(f, 0.0), w - f64::min(f, 0.0)));
+            assert!(
+                wrong <= 1e-6 * right,
+                "{operation:?}, part {}: {wrong} of {right}",
+                part.label
+            );
+        }
+    }
+}
+
 #[test]
 fn the_same_for_any_number_of_threads() {
     let scan = sampled(30, |p| (7.0 * p.x).sin() * (6.0 * p.y).cos() + p.z);

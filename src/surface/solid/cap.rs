@@ -104,3 +104,69 @@ fn covers([a, b, c]: [DVec3; 3], p: DVec3, normal: DVec3) -> bool {
         .into_iter()
         .all(|(from, to)| turn(from, to, p, normal) >= 0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::solid::cell::Vertex;
+
+    fn node(name: u32, x: f64, y: f64) -> Node {
+        Node::of_test(name, DVec3::new(x, y, 7.0), 0.0)
+    }
+
+    fn areas(polygon: &[[f64; 2]]) -> Vec<f64> {
+        let nodes = polygon.iter().zip(0..).map(|(&[x, y], name)| node(name, x, y));
+        let mut areas = Vec::new();
+        fill(nodes.collect(), |t| {
+            let [a, b, c] = t.map(|node| node.position);
+            areas.push(turn(a, b, c, DVec3::Z) / 2.0);
+        });
+        areas
+    }
+
+    #[test]
+    fn a_comb_is_filled_without_folds() {
+        let comb = [
+            [0.0, 0.0],
+            [5.0, 0.0],
+            [5.0, 3.0],
+            [4.0, 0.5],
+            [3.0, 3.0],
+            [2.0, 0.5],
+            [1.0, 3.0],
+            [0.0, 0.5],
+        ];
+        let areas = areas(&comb);
+        assert_eq!(areas.len(), comb.len() - 2);
+        assert!(areas.iter().all(|area| *area > 0.0), "{areas:?}");
+        // By the shoelace formula.
+        let twice: f64 = (0..8)
+            .map(|n| (comb[n], comb[(n + 1) % 8]))
+            .map(|([a, b], [c, d])| a * d - b * c)
+            .sum();
+        assert!((2.0 * areas.iter().sum::<f64>() - twice).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_cannot_be_filled_well_is_filled_all_the_same() {
+        assert_eq!(areas(&[[0.0, 0.0]; 5]).len(), 3);
+        assert_eq!(areas(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]).len(), 2);
+        assert_eq!(areas(&[[0.0, 0.0], [1.0, 0.0]]).len(), 0);
+    }
+
+    #[test]
+    fn cuts_that_meet_twice_make_two_loops() {
+        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|name| node(name, 0.0, 0.0));
+        let found = loops(vec![[a, b], [b, c], [c, a], [c, d], [d, e], [e, c]]);
+        let mut names: Vec<Vec<Vertex>> = found
+            .iter()
+            .map(|nodes| nodes.iter().map(|node| node.vertex).collect())
+            .collect();
+        names.iter_mut().for_each(|names| names.sort());
+        names.sort();
+        assert_eq!(
+            names,
+            [[a, b, c], [c, d, e]].map(|nodes| nodes.map(|node| node.vertex).to_vec())
+        );
+    }
+}

@@ -42,6 +42,19 @@ pub(super) struct Node {
 }
 
 impl Node {
+    /// A node that lies nowhere in particular in its cell.
+    #[cfg(test)]
+    pub fn of_test(name: u32, position: DVec3, cutter: f64) -> Self {
+        Self {
+            vertex: Vertex::Surface(name),
+            cutter,
+            at: position,
+            position,
+            normal: DVec3::ZERO,
+            place: Place::Cut,
+        }
+    }
+
     /// Whether the node is inside the cutter.
     pub fn is_inside(&self) -> bool {
         self.cutter >= 0.0

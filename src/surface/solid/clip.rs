@@ -51,3 +51,52 @@ fn run_from(cell: &Cell, polygon: &[Node], before: usize) -> Vec<Node> {
     run.push(cell.crossing(corner(inside), corner(inside + 1)));
     run
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::surface::solid::cell::{Corners, Vertex};
+
+    /// A cell in the scan's solid.
+    fn cell() -> Cell {
+        let corners = Corners {
+            values: [1.0; 8],
+            voxels: [0; 8],
+            positions: [DVec3::ZERO; 8],
+            cutter: [1.0; 8],
+            inside: 255,
+            on: 0,
+        };
+        Cell::new(&corners, |_| unreachable!("no vertex of the surface is here"))
+    }
+
+    fn square(cutter: [f64; 4]) -> Vec<Node> {
+        let at = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let nodes = at.iter().zip(cutter).zip(0..);
+        nodes
+            .map(|((&(x, y), cutter), name)| Node::of_test(name, DVec3::new(x, y, 0.0), cutter))
+            .collect()
+    }
+
+    #[test]
+    fn opposite_corners_come_apart() {
+        let clipped = clip(&cell(), &square([1.0, -1.0, 3.0, -1.0]));
+        let sizes = |polygons: &[Vec<Node>]| polygons.iter().map(Vec::len).collect::<Vec<_>>();
+        assert_eq!((sizes(&clipped.inside), sizes(&clipped.outside)), (vec![3, 3], vec![6]));
+        let [from, to] = clipped.cuts[0].map(|node| node.position.truncate().to_array());
+        assert_eq!((from, to), ([1.0, 0.25], [0.25, 1.0]));
+    }
+
+    #[test]
+    fn a_corner_on_the_cutter_is_its_own_cut() {
+        let clipped = clip(&cell(), &square([0.0, -1.0, -1.0, -1.0]));
+        assert_eq!(clipped.cuts[0].map(|node| node.vertex), [Vertex::Surface(0); 2]);
+        let clipped = clip(&cell(), &square([0.0, 0.0, 0.0, 0.0]));
+        assert_eq!(
+            (clipped.inside.len(), clipped.outside.len(), clipped.cuts.len()),
+            (1, 0, 0)
+        );
+    }
+}
