@@ -152,6 +152,15 @@ impl Assembly {
         tasks.into_par_iter().map(filled).collect()
     }
 
+    /// The numbers that the vertices of slice `k` of the lattice, all of which is held, have got, for each of its rows.
+    pub fn rows(&self, rows: &InsideRows, k: usize) -> Vec<RowPlan> {
+        let mut counts = vec![RowCount::default(); self.dims[1]];
+        let mut plan = vec![RowPlan::default(); counts.len()];
+        cells::count(rows, k, &mut counts);
+        number(&counts, &mut plan, &mut self.before[k].map(|n| n as u64));
+        plan
+    }
+
     /// The mesh.
     pub fn finish(mut self) -> Mesh {
         if self.topology == Topology::Vtk {

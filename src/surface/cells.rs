@@ -73,7 +73,7 @@ impl<'a> RowsRound<'a> {
 
     /// The part of all rows in word `w`.
     #[inline(always)]
-    fn word(&self, w: usize) -> CellWord {
+    pub fn word(&self, w: usize) -> CellWord {
         // The last voxel of a row starts neither a cell nor an x edge.
         let starts = self.width - 1 - (w * 64).min(self.width - 1);
         CellWord {
@@ -102,7 +102,7 @@ impl<'a> RowsRound<'a> {
 }
 
 /// One bit for the voxels at the lower and the upper x of 64 cells of a row, of each of four rows.
-struct Corners {
+pub(super) struct Corners {
     here: [u64; 4],
     next: [u64; 4],
 }
@@ -125,21 +125,21 @@ impl Corners {
 
     /// The cells with a corner that is set.
     #[inline(always)]
-    fn any(&self) -> u64 {
+    pub fn any(&self) -> u64 {
         let ([a, b, c, d], [e, f, g, h]) = (self.here, self.next);
         a | b | c | d | e | f | g | h
     }
 
     /// The cells whose corners are all set.
     #[inline(always)]
-    fn all(&self) -> u64 {
+    pub fn all(&self) -> u64 {
         let ([a, b, c, d], [e, f, g, h]) = (self.here, self.next);
         a & b & c & d & e & f & g & h
     }
 
     /// The eight corners of cell `i`.
     #[inline(always)]
-    fn of_cell(&self, i: u32) -> usize {
+    pub fn of_cell(&self, i: u32) -> usize {
         let mut corners = 0;
         for row in 0..4 {
             corners |= (self.here[row] >> i & 1) << (2 * row) | (self.next[row] >> i & 1) << (2 * row + 1);
@@ -149,10 +149,11 @@ impl Corners {
 }
 
 /// 64 cells of a row.
-struct CellWord {
-    inside: Corners,
-    on: Corners,
-    cells: u64,
+pub(super) struct CellWord {
+    pub inside: Corners,
+    pub on: Corners,
+    /// The cells there are.
+    pub cells: u64,
 }
 
 impl CellWord {
@@ -242,7 +243,7 @@ fn triangles_through(case: &Case, on: usize) -> u32 {
 
 /// The vertices of a triangle whose vertices lie on `edges`.
 #[inline(always)]
-fn corners(edges: &[u8; 3], vertices: &[u32; 12]) -> [u32; 3] {
+pub(super) fn corners(edges: &[u8; 3], vertices: &[u32; 12]) -> [u32; 3] {
     let [a, b, c] = *edges;
     [
         vertices[usize::from(a)],
@@ -253,7 +254,7 @@ fn corners(edges: &[u8; 3], vertices: &[u32; 12]) -> [u32; 3] {
 
 /// Whether no two corners are one.
 #[inline(always)]
-fn is_whole([a, b, c]: [u32; 3]) -> bool {
+pub(super) fn is_whole<V: PartialEq>([a, b, c]: [V; 3]) -> bool {
     a != b && b != c && c != a
 }
 
@@ -305,7 +306,7 @@ impl Numbering {
     }
 
     #[inline(always)]
-    fn of(word: &CellWord) -> Self {
+    pub fn of(word: &CellWord) -> Self {
         Self {
             x: [word.own_x(0), word.own_x(1), word.own_x(2), word.own_x(3)],
             y: [word.own_across(0, 1), word.own_across(2, 3)],
@@ -338,16 +339,21 @@ impl Numbering {
 
     /// Puts the vertices of those corners of cell `i` that are `on` in place of the vertices on their edges.
     #[inline(always)]
-    fn move_to_corners(&self, first: &[[u32; KINDS]; 4], i: u32, on: usize, vertices: &mut [u32; 12]) {
-        let before = (1 << i) - 1;
+    pub fn move_to_corners(&self, first: &[[u32; KINDS]; 4], i: u32, on: usize, vertices: &mut [u32; 12]) {
         for corner in SetBits(on as u64) {
-            let row = (corner / 2) as usize;
-            let below = before | u64::from(corner % 2) << i;
-            let vertex = number(first[row][ON_VOXELS], self.on[row], below);
+            let vertex = self.on_corner(first, i, corner);
             for e in CORNER_EDGES[corner as usize] {
                 vertices[usize::from(e)] = vertex;
             }
         }
+    }
+
+    /// The vertex on a corner of cell `i`; a meaningless number where it is not one.
+    #[inline(always)]
+    pub fn on_corner(&self, first: &[[u32; KINDS]; 4], i: u32, corner: u32) -> u32 {
+        let row = (corner / 2) as usize;
+        let below = ((1 << i) - 1) | u64::from(corner % 2) << i;
+        number(first[row][ON_VOXELS], self.on[row], below)
     }
 
     /// Moves `first` to the next word.

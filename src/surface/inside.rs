@@ -38,18 +38,23 @@ impl InsideRows {
     /// The bits of `held` slices for the surface at `iso`; `None` where the voxels' type ends below it.
     pub fn of<T: Voxel>(slices: Slices<'_, T>, held: Range<usize>, iso: f64, ties: Ties) -> Option<Self> {
         let smallest_inside = T::not_below(iso)?;
-        let mut rows = Self {
-            inside: vec![0; slices.dims[0].div_ceil(64) * slices.dims[1] * held.len()],
-            on: Vec::new(),
-            slices: held,
-            dims: slices.dims,
-        };
+        let mut rows = Self::outside(slices.dims, held);
         if ties == Ties::OneVertex && smallest_inside.to_f64() == iso {
             rows.classify_and_find(slices, smallest_inside);
         } else {
             rows.classify(slices, smallest_inside);
         }
         Some(rows)
+    }
+
+    /// The bits of `held` slices of a lattice no voxel of which is inside.
+    pub fn outside(dims: [usize; 3], held: Range<usize>) -> Self {
+        Self {
+            inside: vec![0; dims[0].div_ceil(64) * dims[1] * held.len()],
+            on: Vec::new(),
+            slices: held,
+            dims,
+        }
     }
 
     fn words_a_row(&self) -> usize {

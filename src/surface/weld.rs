@@ -36,22 +36,27 @@ impl Layout<'_> {
 
 /// A vertex that goes, and the one in its place.
 #[derive(Clone, Copy)]
-struct Merged {
-    gone: u32,
-    into: u32,
+pub(super) struct Merged {
+    pub gone: u32,
+    pub into: u32,
 }
 
 /// Merges the vertices of `mesh` that `hits` says are on the same voxel. There is a list for each slice, whose hits are in
 /// that slice or the next.
 pub(super) fn weld(mesh: &mut Mesh, hits: &[Vec<Hit>], layout: &Layout<'_>) {
-    let merged: Vec<Merged> = (0..hits.len())
-        .into_par_iter()
-        .flat_map_iter(|k| merged_in_slice(hits, k, layout.voxels_a_slice as u64))
-        .collect();
+    let merged = merged(hits, layout.voxels_a_slice);
     if !merged.is_empty() {
         let renamed = close_up(mesh, &merged);
         rename(mesh, &renamed, layout);
     }
+}
+
+/// The vertices of `hits`, a list for each slice, that give way to others on the same voxel.
+pub(super) fn merged(hits: &[Vec<Hit>], voxels_a_slice: usize) -> Vec<Merged> {
+    (0..hits.len())
+        .into_par_iter()
+        .flat_map_iter(|k| merged_in_slice(hits, k, voxels_a_slice as u64))
+        .collect()
 }
 
 /// The vertices that are merged at the voxels of slice `k`.

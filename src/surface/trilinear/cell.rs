@@ -5,7 +5,7 @@
 //! (0) or upper (1) one across `axis`.
 
 /// The corners of each face, counterclockwise seen from outside the cell.
-pub(super) const FACES: [[u8; 4]; 6] = [
+pub(in crate::surface) const FACES: [[u8; 4]; 6] = [
     [0, 4, 6, 2],
     [1, 3, 7, 5],
     [0, 1, 5, 4],
@@ -15,7 +15,7 @@ pub(super) const FACES: [[u8; 4]; 6] = [
 ];
 
 /// The edges of each face: the one from each corner of [`FACES`] to the next.
-pub(super) const FACE_EDGES: [[u8; 4]; 6] = [
+pub(in crate::surface) const FACE_EDGES: [[u8; 4]; 6] = [
     [8, 6, 10, 4],
     [5, 11, 7, 9],
     [0, 9, 2, 8],
@@ -46,7 +46,7 @@ pub(super) fn signs(values: &[f64; 8]) -> u8 {
 }
 
 /// The edge between two corners that differ in one axis.
-pub(super) fn edge_between(a: u8, b: u8) -> u8 {
+pub(in crate::surface) fn edge_between(a: u8, b: u8) -> u8 {
     let axis = (a ^ b).trailing_zeros() as u8;
     let lower = a & b;
     let below = lower & ((1 << axis) - 1);
@@ -55,7 +55,7 @@ pub(super) fn edge_between(a: u8, b: u8) -> u8 {
 }
 
 /// The lower and the upper corner of an edge.
-pub(super) fn edge_corners(edge: u8) -> [u8; 2] {
+pub(in crate::surface) fn edge_corners(edge: u8) -> [u8; 2] {
     let (axis, place) = (edge / 4, edge % 4);
     let below = place & ((1 << axis) - 1);
     let above = place >> axis;
@@ -78,7 +78,7 @@ pub(super) fn crossing(values: &[f64; 8], edge: u8) -> [f64; 3] {
 }
 
 /// The interpolant and its gradient at a point of the unit cell.
-pub(super) fn sample(values: &[f64; 8], at: [f64; 3]) -> (f64, [f64; 3]) {
+pub(in crate::surface) fn sample(values: &[f64; 8], at: [f64; 3]) -> (f64, [f64; 3]) {
     let mut value = 0.0;
     let mut gradient = [0.0; 3];
     for (corner, &v) in values.iter().enumerate() {

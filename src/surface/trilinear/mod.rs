@@ -18,7 +18,7 @@
 //! whatever the values, even if rounding has decided about a tunnel. Cells whose signs decide all, nearly all in smooth data, come
 //! from a list made of the same parts at first use.
 
-mod cell;
+pub(super) mod cell;
 mod contour;
 mod disc;
 mod section;
