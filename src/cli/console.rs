@@ -34,6 +34,11 @@ pub(super) fn note(text: &str) {
     let _ = writeln!(io::stderr(), "note: {text}");
 }
 
+/// Says that the surface at `iso` is empty, and where there might be one.
+pub(super) fn note_empty(iso: f64, min: f64, max: f64) {
+    note(&format!("the surface at {iso} is empty: values go from {min} to {max}"));
+}
+
 /// A bar on stderr for `length` steps of `what`; nothing where stderr is no terminal.
 pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("{prefix:>12} {bar:40} {percent:>3} %  {elapsed}");

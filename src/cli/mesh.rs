@@ -7,14 +7,15 @@ use glam::DVec3;
 use serde_json::json;
 
 use super::CliError;
-use super::console::{Stages, note, print, print_json, progress};
+use super::console::{Stages, note, note_empty, print, print_json, progress};
 use super::overrides;
 use super::source::SourceArgs;
 use crate::surface::io::{check_suffix, write_mesh};
+use crate::surface::{Border, Creases, Cutter, Operation, SolidOptions, combine, gray_window, paint};
 use crate::surface::{
     Measures, Mesh, SimplifyGoal, Topology, extract, extract_target, keep_largest, keep_touching, simplify,
 };
-use crate::volume::{averaged_slices, io};
+use crate::volume::{Grid, averaged_slices, io};
 
 /// Extract the surface of a scene or a volume
 #[derive(Debug, Args)]
@@ -23,6 +24,7 @@ use crate::volume::{averaged_slices, io};
 
 Examples:
   vcsg mesh head.nii.gz --iso 60 -o skin.ply
+  vcsg mesh head.nii.gz --iso 60 --cut 0,0,20 0,0,1 -o cut.glb
   vcsg mesh ct.nrrd --iso -300 --iso 200 -o skin-and-bone.glb
   vcsg mesh head.nii.gz --iso 60 --largest 1 --simplify 100000 -o skin.stl
   vcsg mesh scene.kdl --iso 80 --spacing 0.5 -o solid.stl --topology trilinear --json"
@@ -42,6 +44,10 @@ pub(super) struct MeshCommand {
     /// Average four pixels of a slice into one first; of a volume on its own lattice
     #[arg(long)]
     average: bool,
+    /// Cut what NORMAL points to off at a plane, and close the mesh with the values there in grey; of a volume on its own lattice
+    #[arg(long, num_args = 2, value_names = ["X,Y,Z", "NX,NY,NZ"], value_parser = overrides::point, allow_hyphen_values = true,
+          conflicts_with = "topology")]
+    cut: Vec<DVec3>,
     /// Keep the N largest pieces, by area
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     largest: Option<u32>,
@@ -112,7 +118,7 @@ impl MeshCommand {
         }
         let mut all = Mesh::default();
         for iso in &self.iso {
-            let mesh = stages.time("extract", || extract(&grid, *iso, self.topology.into()))?;
+            let mesh = stages.time("extract", || self.of_grid(&grid, *iso))?;
             if mesh.is_empty() {
                 let stats = grid.stats();
                 note_empty(*iso, stats.min, stats.max);
@@ -122,9 +128,30 @@ impl MeshCommand {
         Ok(all)
     }
 
+    /// The surface of a grid, cut if that was asked for.
+    fn of_grid(&self, grid: &Grid, iso: f64) -> Result<Mesh, CliError> {
+        let [through, normal] = self.cut[..] else {
+            return Ok(extract(grid, iso, self.topology.into())?);
+        };
+        if normal == DVec3::ZERO {
+            return Err(CliError::Usage("--cut: the normal is 0,0,0".to_owned()));
+        }
+        let options = SolidOptions {
+            border: Border::Closed,
+            creases: Creases::Shared,
+        };
+        let plane = Cutter::half_space(through, normal);
+        let mut mesh = combine(grid, iso, Operation::Intersection, plane, options)?;
+        for cap in 1..mesh.parts.len() {
+            let [low, high] = window(&mesh, cap);
+            paint(&mut mesh, cap, gray_window(low, high));
+        }
+        Ok(mesh)
+    }
+
     fn of_scene(&self, stages: &mut Stages) -> Result<Mesh, CliError> {
-        if self.average {
-            let why = "--average needs a volume on its own lattice; use a larger --spacing";
+        if self.average || !self.cut.is_empty() {
+            let why = "--average and --cut need a volume on its own lattice; use a larger --spacing, or cut nodes in the scene";
             return Err(CliError::Usage(why.to_owned()));
         }
         let scene = stages.time("load", || self.source.load())?;
@@ -178,6 +205,21 @@ impl MeshCommand {
     }
 }
 
+/// Where a part's values lie, but for one in fifty below and above.
+fn window(mesh: &Mesh, part: usize) -> [f32; 2] {
+    let corners = mesh.triangles[mesh.parts[part].triangles.clone()].iter().flatten();
+    let mut values: Vec<f32> = corners
+        .map(|v| mesh.values[*v as usize])
+        .filter(|v| v.is_finite())
+        .collect();
+    values.sort_by(f32::total_cmp);
+    let at = |n: usize| values.get(n).copied().unwrap_or(0.0);
+    [
+        at(values.len() / 50),
+        at(values.len().saturating_sub(1 + values.len() / 50)),
+    ]
+}
+
 /// The figures of a mesh, one a line.
 fn text(m: &Measures) -> String {
     let volume = match m.volume_mm3 {
@@ -193,9 +235,4 @@ fn text(m: &Measures) -> String {
         text += &format!("\nnot finite          {} vertices", m.non_finite_vertices);
     }
     text
-}
-
-/// Says that nothing was found, and where something might be.
-fn note_empty(iso: f64, min: f64, max: f64) {
-    note(&format!("the surface at {iso} is empty: values go from {min} to {max}"));
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::CliError;
-use super::console::{Stages, note, progress};
+use super::console::{Stages, note_empty, progress};
 use crate::gpu::Device;
 use crate::render::{DeviceMesh, DeviceMeshError, ShownMesh};
 use crate::scene::SurfaceSpec;
@@ -37,11 +37,8 @@ impl Surface {
     fn extract(spec: SurfaceSpec, target: &Target, done: &mut dyn FnMut(usize)) -> Result<Self, CliError> {
         let mesh = extract_target(target, spec.iso, spec.topology, done)?;
         if mesh.is_empty() {
-            let (iso, values) = (spec.iso, target.value_range);
-            note(&format!(
-                "the surface at {iso} is empty: values go from {} to {}",
-                values.lo, values.hi
-            ));
+            let values = target.value_range;
+            note_empty(spec.iso, f64::from(values.lo), f64::from(values.hi));
         }
         Ok(Self { spec, mesh })
     }
