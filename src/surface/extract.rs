@@ -10,6 +10,10 @@ use super::slices::Slices;
 use super::vertices::Level;
 use crate::volume::{Grid, Voxel, Voxels, for_type};
 
+/// Slices whose vertices are made together. Their bits and plans are then small beside a volume, and few slices are worked on
+/// while they are in the processor's caches; more threads than this would wait for each other.
+const LAYERS: usize = 64;
+
 /// Why a surface could not be extracted.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -79,10 +83,16 @@ fn extract_typed<T: Voxel>(
         Topology::Trilinear => Ties::Apart,
     };
     let mut assembly = Assembly::new(level, dims, topology);
-    if dims.iter().all(|n| *n > 1)
-        && let Some(rows) = InsideRows::of(slices, 0..dims[2], iso, ties)
-    {
-        assembly.add(slices, &rows, 0..dims[2])?;
+    if dims.iter().any(|n| *n < 2) {
+        return Ok(assembly.finish());
+    }
+    for start in (0..dims[2]).step_by(LAYERS) {
+        let layers = start..(start + LAYERS).min(dims[2]);
+        // The slice after the layers is numbered with them: its edges to the next one, whose neighbour says what is on it.
+        let held = start.saturating_sub(1)..(layers.end + 3).min(dims[2]);
+        if let Some(rows) = InsideRows::of(slices, held, iso, ties) {
+            assembly.add(slices, &rows, layers)?;
+        }
     }
     Ok(assembly.finish())
 }

@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::cells::SetBits;
 use super::slices::Slices;
 use crate::volume::Voxel;
 
@@ -28,7 +29,7 @@ pub(super) struct InsideRows {
 /// What becomes of vertices that lie on one voxel because it has the isovalue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ties {
-    /// They are one from the start, if all slices are held.
+    /// They are one from the start, in slices whose neighbours are held.
     OneVertex,
     /// They are several.
     Apart,
@@ -67,29 +68,29 @@ impl InsideRows {
         tasks.for_each(|(inside, k)| classify(slices.slice(k), slices.dims[0], smallest_inside, inside));
     }
 
-    /// Classifies, and finds the voxels of the isovalue. Where a value is not finite none is kept: an edge to it has its
-    /// vertex elsewhere.
+    /// Classifies, and finds the voxels of the isovalue in all slices whose neighbours are held.
     fn classify_and_find<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T) {
         let words_a_slice = self.words_a_row() * self.dims[1];
         let mut on = vec![0; self.inside.len()];
-        let tasks = self
-            .inside
+        self.inside
             .par_chunks_mut(words_a_slice)
-            .zip(on.par_chunks_mut(words_a_slice));
-        let finite = tasks
+            .zip(on.par_chunks_mut(words_a_slice))
             .zip(self.slices.clone())
-            .map(|((inside, on), k)| classify_and_find(slices.slice(k), slices.dims[0], iso, inside, on))
-            .reduce(|| true, |a, b| a && b);
-        if finite {
-            let tasks = on.par_chunks_mut(words_a_slice).zip(self.slices.clone());
-            tasks.for_each(|(on, k)| self.keep_near_outside(k, on));
-            self.on = on;
-        }
+            .for_each(|((inside, on), k)| classify_and_find(slices.slice(k), slices.dims[0], iso, inside, on));
+        let tasks = on.par_chunks_mut(words_a_slice).zip(self.slices.clone());
+        tasks.for_each(|(on, k)| self.keep_on_surface(slices, k, on));
+        self.on = on;
     }
 
-    /// Clears the voxels of slice `k` all of whose neighbours are inside.
-    fn keep_near_outside(&self, k: usize, on: &mut [u64]) {
+    /// Clears the voxels of slice `k` all of whose neighbours are inside, and those with a neighbour that is not finite: the
+    /// vertex on an edge to it is elsewhere.
+    fn keep_on_surface<T: Voxel>(&self, slices: Slices<'_, T>, k: usize, on: &mut [u64]) {
         let [_, ny, nz] = self.dims;
+        let (below, above) = (k.saturating_sub(1), (k + 1).min(nz - 1));
+        if !(self.slices.contains(&below) && self.slices.contains(&above)) {
+            on.fill(0);
+            return;
+        }
         for (j, row) in on.chunks_exact_mut(self.words_a_row()).enumerate() {
             if row.iter().all(|word| *word == 0) {
                 continue;
@@ -99,8 +100,8 @@ impl InsideRows {
             let rows = [
                 self.row(j.saturating_sub(1), k),
                 self.row((j + 1).min(ny - 1), k),
-                self.row(j, k.saturating_sub(1)),
-                self.row(j, (k + 1).min(nz - 1)),
+                self.row(j, below),
+                self.row(j, above),
             ];
             for (w, word) in row.iter_mut().enumerate() {
                 let before = here[w] << 1 | if w > 0 { here[w - 1] >> 63 } else { 1 };
@@ -113,6 +114,11 @@ impl InsideRows {
                 };
                 let inside = rows.iter().fold(before & after, |inside, row| inside & row[w]);
                 *word &= !inside;
+                for i in SetBits(*word) {
+                    if !slices.has_finite_neighbours([w * 64 + i as usize, j, k]) {
+                        *word &= !(1 << i);
+                    }
+                }
             }
         }
     }
@@ -152,26 +158,22 @@ fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &m
     }
 }
 
-/// [`classify`], and the bits of the voxels that are `iso`; returns whether all are finite.
+/// [`classify`], and the bits of the voxels that are `iso`.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn classify_and_find<T: Voxel>(voxels: &[T], width: usize, iso: T, inside: &mut [u64], on: &mut [u64]) -> bool {
+fn classify_and_find<T: Voxel>(voxels: &[T], width: usize, iso: T, inside: &mut [u64], on: &mut [u64]) {
     let words = width.div_ceil(64);
     let words = inside.chunks_exact_mut(words).zip(on.chunks_exact_mut(words));
-    let mut finite = true;
     for (row, (inside, on)) in voxels.chunks_exact(width).zip(words) {
         let (whole, rest) = row.as_chunks::<64>();
         for (n, chunk) in whole.iter().enumerate() {
             inside[n] = not_below(chunk, iso);
             on[n] = equal(chunk, iso);
-            finite &= all_finite(chunk);
         }
         if let Some(last) = inside.get_mut(whole.len()) {
             *last = not_below(rest, iso);
             on[whole.len()] = equal(rest, iso);
-            finite &= all_finite(rest);
         }
     }
-    finite
 }
 
 // Of at most 64 voxels each. For 64 of them compilers turn these into wide comparisons.
@@ -192,15 +194,6 @@ fn equal<T: Voxel>(voxels: &[T], iso: T) -> u64 {
         word |= u64::from(*v == iso) << n;
     }
     word
-}
-
-#[inline(always)]
-fn all_finite<T: Voxel>(voxels: &[T]) -> bool {
-    let mut finite = true;
-    for v in voxels {
-        finite &= v.to_f64().is_finite();
-    }
-    finite
 }
 
 #[cfg(test)]
@@ -234,7 +227,7 @@ mod tests {
     fn not_a_number_is_outside() {
         let mut words = [[0], [0]];
         let [inside, on] = &mut words;
-        assert!(!classify_and_find(&[f64::NAN, 1.0, f64::INFINITY], 3, 1.0, inside, on));
+        classify_and_find(&[f64::NAN, 1.0, f64::INFINITY], 3, 1.0, inside, on);
         assert_eq!(words, [[0b110], [0b010]]);
     }
 }

@@ -25,6 +25,16 @@ impl<'a, T: Voxel> Slices<'a, T> {
         self.row(j, k)[i].to_f64()
     }
 
+    /// Whether the voxels next to `index` along the axes are all finite.
+    pub fn has_finite_neighbours(&self, index: [usize; 3]) -> bool {
+        (0..3).all(|axis| {
+            let (mut before, mut after) = (index, index);
+            before[axis] = before[axis].saturating_sub(1);
+            after[axis] = (after[axis] + 1).min(self.dims[axis] - 1);
+            self.value(before).is_finite() && self.value(after).is_finite()
+        })
+    }
+
     #[inline(always)]
     fn row(&self, j: usize, k: usize) -> &'a [T] {
         let width = self.dims[0];

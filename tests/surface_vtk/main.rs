@@ -186,7 +186,7 @@ fn thin_volumes() {
         );
         assert!(check(&mut oracle, &flat, &Place::UNIT, 100.0).is_empty());
     }
-    for dims in [[2, 5, 70], [70, 2, 5], [5, 70, 2], [2, 2, 70], [130, 2, 2]] {
+    for dims in [[2, 5, 70], [70, 2, 5], [5, 70, 2], [2, 2, 70], [130, 2, 2], [3, 4, 200]] {
         let count = dims.iter().product::<usize>();
         let thin = grid(
             dims,
