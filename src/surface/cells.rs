@@ -169,6 +169,13 @@ impl CellWord {
         (self.inside.here[from] ^ self.inside.here[to]) & !(self.on.here[from] | self.on.here[to])
     }
 
+    /// Whether all voxels are inside or all outside, and the surface goes through none: there are no vertices and no
+    /// triangles.
+    #[inline(always)]
+    fn is_plain(&self) -> bool {
+        self.inside.any() == self.inside.all() && self.on.any() == 0
+    }
+
     /// The cells with corners both inside and outside.
     #[inline(always)]
     fn active(&self) -> u64 {
@@ -199,6 +206,9 @@ pub(super) fn count(rows: &InsideRows, k: usize, counts: &mut [RowCount]) {
         *count = RowCount::default();
         for w in 0..round.words() {
             let word = round.word(w);
+            if word.is_plain() {
+                continue;
+            }
             count.vertices[0] += word.own_x(0).count_ones();
             count.vertices[1] += word.own_across(0, 1).count_ones();
             count.vertices[2] += word.own_across(0, 2).count_ones();
@@ -268,6 +278,9 @@ pub(super) fn connect(rows: &InsideRows, k: usize, plan: [&[RowPlan]; 2], triang
         let mut first = [lower[j].first, lower[j + 1].first, upper[j].first, upper[j + 1].first];
         for w in 0..round.words() {
             let word = round.word(w);
+            if word.is_plain() {
+                continue;
+            }
             let numbering = Numbering::of(&word);
             let through = word.on.any();
             for i in SetBits(word.active()) {
