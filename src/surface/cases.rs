@@ -5,9 +5,10 @@
 //! *Changes from the paper.* Its 14 patterns and their complements do not fit together: two cells may part a face with two
 //! inside corners on a diagonal in different ways, and leave a hole. Here such corners are always parted from each other, as
 //! VTK does; so a pattern with such a face is turned but not complemented, and there are 17.
-//! *Practice.* Corner `c` of a cell is the upper one on axis `a` where bit `a` of `c` is set. Edge `e = 4·axis + u + 2·v`
-//! runs along `axis`, at the upper side of the other two axes, in their order, where `u` and `v` are 1. A corner is inside
-//! where its value is not below the isovalue.
+//! *Practice.* Corners and edges are numbered as in [`cell`](super::cell). A corner is inside where its value is not below the
+//! isovalue.
+
+use super::cell::{edge_between, edge_corners};
 
 /// The triangles of one case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -190,41 +191,6 @@ impl Turn {
             }
             case.count += 1;
         }
-    }
-}
-
-/// The lower and the upper corner of edge `e`.
-const fn edge_corners(e: u8) -> [u8; 2] {
-    let axis = e / 4;
-    let [first, second] = other_axes(axis);
-    let lower = (e & 1) << first | (e >> 1 & 1) << second;
-    [lower, lower | 1 << axis]
-}
-
-/// The x, y and z edge at each corner.
-pub(super) const CORNER_EDGES: [[u8; 3]; 8] = {
-    let mut edges = [[0; 3]; 8];
-    let mut c = 0;
-    while c < 8 {
-        edges[c as usize] = [edge_between(c, c ^ 1), edge_between(c, c ^ 2), edge_between(c, c ^ 4)];
-        c += 1;
-    }
-    edges
-};
-
-/// The edge between two neighbouring corners.
-const fn edge_between(a: u8, b: u8) -> u8 {
-    let axis = (a ^ b).trailing_zeros() as u8;
-    let [first, second] = other_axes(axis);
-    4 * axis + (a >> first & 1) + 2 * (a >> second & 1)
-}
-
-/// The axes other than `axis`, in their order.
-const fn other_axes(axis: u8) -> [u8; 2] {
-    match axis {
-        0 => [1, 2],
-        1 => [0, 2],
-        _ => [0, 1],
     }
 }
 

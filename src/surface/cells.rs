@@ -9,7 +9,8 @@
 //! *Practice.* A voxel of the isovalue itself takes the vertices of all its crossed edges together: it has a vertex of its own,
 //! and they have none. A triangle of which two corners became one is left out, as vtkMarchingCubes does.
 
-use super::cases::{CASES, CORNER_EDGES, Case};
+use super::cases::{CASES, Case};
+use super::cell::CORNER_EDGES;
 use super::inside::InsideRows;
 
 /// The kinds of vertices: on x, y and z edges, and others.

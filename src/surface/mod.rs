@@ -3,6 +3,7 @@
 mod assemble;
 mod blocks;
 mod cases;
+mod cell;
 mod cells;
 mod components;
 mod connect;

@@ -1,14 +1,12 @@
 //! VTK's measures, from a process of its own.
 
-use std::io::{BufRead, BufReader, Write};
-use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+#[path = "../oracle/process.rs"]
+mod process;
 
+use process::Process;
 use serde::Deserialize;
 use serde_json::json;
 use vcsg::surface::Mesh;
-
-const PYTHON: &str = "target/deps/vtk/bin/python";
 
 /// What VTK says of a mesh.
 #[derive(Debug, Deserialize)]
@@ -23,42 +21,23 @@ pub struct Figures {
     pub non_manifold: usize,
 }
 
-pub struct Oracle {
-    child: Child,
-    requests: Option<ChildStdin>,
-    answers: BufReader<ChildStdout>,
-}
+pub struct Oracle(Process);
 
 impl Oracle {
     /// Starts VTK.
     pub fn start() -> Self {
-        assert!(Path::new(PYTHON).exists(), "{PYTHON} is missing: run make setup");
-        let mut child = Command::new(PYTHON)
-            .arg("tests/oracle/measures.py")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the oracle starts");
-        let requests = child.stdin.take();
-        let answers = BufReader::new(child.stdout.take().expect("a pipe"));
-        Self {
-            child,
-            requests,
-            answers,
-        }
+        Self(Process::start("tests/oracle/measures.py"))
     }
 
     pub fn measure(&mut self, mesh: &Mesh) -> Figures {
         let request = json!({"points": mesh.positions.len(), "triangles": mesh.triangles.len()});
-        let out = self.requests.as_mut().expect("the oracle runs");
-        writeln!(out, "{request}")
-            .and_then(|()| out.write_all(bytemuck::cast_slice(&mesh.positions)))
-            .and_then(|()| out.write_all(bytemuck::cast_slice(&mesh.triangles)))
-            .and_then(|()| out.flush())
-            .expect("the oracle listens");
-        let mut line = String::new();
-        self.answers.read_line(&mut line).expect("the oracle answers");
-        serde_json::from_str(&line).unwrap_or_else(|error| panic!("{error}: {line:?}; see the oracle's message above"))
+        let data = [
+            bytemuck::cast_slice(&mesh.positions),
+            bytemuck::cast_slice(&mesh.triangles),
+        ];
+        self.0.send(&request, &data);
+        let mut answer = serde_json::Deserializer::from_reader(&mut self.0.answers);
+        Figures::deserialize(&mut answer).expect("the oracle answers; see its message above")
     }
 }
 
@@ -69,12 +48,4 @@ pub fn checksum(mesh: &Mesh) -> u32 {
         sum.update(bytemuck::cast_slice(&mesh.corners(n)));
     }
     sum.sum()
-}
-
-impl Drop for Oracle {
-    fn drop(&mut self) {
-        // Without requests the process ends by itself.
-        drop(self.requests.take());
-        let _ = self.child.wait();
-    }
 }

@@ -1,15 +1,15 @@
 //! vtkMarchingCubes, in a process of its own.
 
-use std::io::{BufReader, BufWriter, Read, Write};
-use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+#[path = "../oracle/process.rs"]
+mod process;
+
+use std::io::Read;
 
 use glam::{DAffine3, DMat3, DVec3};
+use process::Process;
 use serde_json::json;
 use vcsg::surface::Mesh;
 use vcsg::volume::{Grid, Voxels};
-
-const PYTHON: &str = "target/deps/vtk/bin/python";
 
 /// Where a lattice lies, as VTK says it: an orthonormal direction matrix, a spacing and an origin.
 #[derive(Clone, Copy, Debug)]
@@ -46,29 +46,12 @@ pub enum Merging {
     Thorough,
 }
 
-pub struct Oracle {
-    child: Child,
-    requests: Option<BufWriter<ChildStdin>>,
-    answers: BufReader<ChildStdout>,
-}
+pub struct Oracle(Process);
 
 impl Oracle {
     /// Starts VTK.
     pub fn start() -> Self {
-        assert!(Path::new(PYTHON).exists(), "{PYTHON} is missing: run make setup");
-        let mut child = Command::new(PYTHON)
-            .arg("tests/oracle/marching_cubes.py")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the oracle starts");
-        let requests = child.stdin.take().map(BufWriter::new);
-        let answers = BufReader::new(child.stdout.take().expect("a pipe"));
-        Self {
-            child,
-            requests,
-            answers,
-        }
+        Self(Process::start("tests/oracle/marching_cubes.py"))
     }
 
     /// The surface of `grid`, which lies at `place`, as VTK makes it, merging points as `merging` says.
@@ -83,11 +66,7 @@ impl Oracle {
             "iso": iso,
             "one_bucket": merging == Merging::Thorough,
         });
-        let out = self.requests.as_mut().expect("the oracle runs");
-        writeln!(out, "{request}")
-            .and_then(|()| out.write_all(bytes(grid.voxels())))
-            .and_then(|()| out.flush())
-            .expect("the oracle listens");
+        self.0.send(&request, &[bytes(grid.voxels())]);
         let [points, triangles] = self.read::<u64>(2).try_into().expect("two counts");
         Mesh {
             positions: self.triples(points),
@@ -105,18 +84,11 @@ impl Oracle {
     fn read<T: bytemuck::Pod>(&mut self, count: usize) -> Vec<T> {
         let mut values = vec![T::zeroed(); count];
         let bytes = bytemuck::cast_slice_mut(&mut values);
-        self.answers
+        self.0
+            .answers
             .read_exact(bytes)
             .expect("the oracle answers; see its message above");
         values
-    }
-}
-
-impl Drop for Oracle {
-    fn drop(&mut self) {
-        // Without requests the process ends by itself.
-        drop(self.requests.take());
-        let _ = self.child.wait();
     }
 }
 

@@ -4,7 +4,8 @@
 use glam::DVec3;
 
 use crate::surface::cases::CASES;
-use crate::surface::trilinear::cell::{FACE_EDGES, FACES, edge_between, edge_corners, sample};
+use crate::surface::cell::{FACE_EDGES, FACES, edge_between, edge_corners};
+use crate::surface::trilinear::interpolant::sample;
 
 /// Which vertex of the combined mesh a node is. Cells that share a node name it alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

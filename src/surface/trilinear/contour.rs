@@ -1,6 +1,7 @@
 //! The closed contours in which the level set meets the faces of a cell.
 
-use super::cell::{FACE_EDGES, FACES, is_inside};
+use super::interpolant::is_inside;
+use crate::surface::cell::{FACE_EDGES, FACES};
 
 /// In the place of an edge that the surface does not cross.
 pub(super) const NONE: u8 = u8::MAX;

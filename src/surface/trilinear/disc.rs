@@ -1,6 +1,6 @@
 //! Discs: contours that bound a sheet of their own.
 
-use super::cell::{crossing, sample, share_a_face};
+use super::interpolant::{crossing, sample, share_a_face};
 use super::triangles::CellTriangles;
 
 /// Steps towards the level set from a contour's centroid; each roughly squares the distance.

@@ -18,20 +18,21 @@
 //! whatever the values, even if rounding has decided about a tunnel. Cells whose signs decide all, nearly all in smooth data, come
 //! from a list made of the same parts at first use.
 
-pub(super) mod cell;
 mod contour;
 mod disc;
+pub(super) mod interpolant;
 mod section;
 mod triangles;
 mod tube;
 
 use std::sync::LazyLock;
 
+use crate::surface::cell::FACES;
 use contour::Contours;
 pub use triangles::CellTriangles;
 use tube::Tube;
 
-/// The triangles of all cells whose corners' signs leave nothing open, by [`cell::signs`].
+/// The triangles of all cells whose corners' signs leave nothing open, by [`interpolant::signs`].
 static PLAIN: LazyLock<[Option<CellTriangles>; 256]> =
     LazyLock::new(|| std::array::from_fn(|signs| plain(signs as u8)));
 
@@ -53,14 +54,14 @@ static PLAIN: LazyLock<[Option<CellTriangles>; 256]> =
 /// assert_eq!(triangle.iter().sum::<u8>(), 12);
 /// ```
 pub fn triangulate(values: &[f64; 8]) -> CellTriangles {
-    PLAIN[cell::signs(values) as usize].unwrap_or_else(|| resolve(values))
+    PLAIN[interpolant::signs(values) as usize].unwrap_or_else(|| resolve(values))
 }
 
 /// The triangles of every cell with these signs; `None` if they leave something open.
 fn plain(signs: u8) -> Option<CellTriangles> {
     let is_inside = |c: u8| signs >> c & 1 == 1;
     let values = [0, 1, 2, 3, 4, 5, 6, 7].map(|c| if is_inside(c) { 1.0 } else { -1.0 });
-    let is_open = cell::FACES.iter().any(|face| contour::alternate(face.map(is_inside)));
+    let is_open = FACES.iter().any(|face| contour::alternate(face.map(is_inside)));
     let has_one_sheet = Contours::trace(&values).firsts().len() <= 1;
     (has_one_sheet && !is_open).then(|| resolve(&values))
 }

@@ -1,7 +1,8 @@
 //! Sections across a cell, on which the interpolant is bilinear, and the one that decides about a tunnel.
 
-use super::cell::{edge_between, edge_corners, is_inside};
 use super::contour::{alternate, joins};
+use super::interpolant::is_inside;
+use crate::surface::cell::{edge_between, edge_corners};
 
 /// The section across an axis where the asymptotic decider of the sections has its extreme.
 ///
