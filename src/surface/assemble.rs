@@ -2,25 +2,33 @@
 //!
 //! *Theory.* March through the cells between eight voxels; each makes the triangles of its case, with vertices on the edges
 //! that the surface crosses (LC87 §4).
-//! *Changes from the paper.* Not cell after cell with the last row's vertices kept, but two passes over slices in parallel:
-//! the first counts the vertices and triangles of each row, so that the second knows where to write each of them. Their order
+//! *Changes from the paper.* Not cell after cell with the last row's vertices kept, but two passes over runs of slices in
+//! parallel: the first counts each slice's vertices and triangles, so that the second knows where to write them. Their order
 //! does not depend on the number of threads.
-//! *Practice.* Slices may come all together or some at a time: a slice's vertices on x and y edges are numbered first, so that
-//! the cells below it can name them before the slice above it is known.
+//! *Practice.* The first pass is all that reads every voxel, and leaves only which words of a row the surface may touch; the
+//! second reads those again. A run goes a few slices at a time, whose bits then stay in the processor's caches. Slices may
+//! come all together or some at a time.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::cells::{self, KINDS, RowCount, RowPlan};
+use super::cells;
+use super::crossings::Crossings;
 use super::extract::{ExtractError, Topology};
-use super::inside::InsideRows;
+use super::inside::{Classifier, InsideRows, Known, WordSets};
 use super::manifold;
 use super::mesh::{Mesh, Part};
-use super::slices::Slices;
 use super::vertices::{Hit, Level, Loose, VertexSink, interpolate};
 use super::weld::{Layout, weld};
 use crate::volume::Voxel;
+
+/// Slices whose bits are made together: few enough for a cache, many beside the four more that are held for their sake.
+const TOGETHER: usize = 8;
+
+/// The most slices in a run, and the runs for each thread that fewer are made for: so that threads end together.
+const LONGEST_RUN: usize = 32;
+const RUNS_A_THREAD: usize = 4;
 
 /// A mesh that slices are added to.
 pub(super) struct Assembly {
@@ -50,115 +58,115 @@ impl Assembly {
         }
     }
 
-    /// Adds the vertices that start in slices `layers`, and the triangles of the cells above these. `slices` holds one slice
-    /// before and two after them, and `rows` one after, as far as the lattice goes. Layers are added in their order.
+    /// Adds the vertices that start in slices `layers`, and the triangles of the cells above these. The classifier's slices
+    /// reach from one before these to two after them, or three where it finds ties, as far as the lattice goes. Layers are
+    /// added in their order.
     ///
     /// # Errors
     /// [`ExtractError::TooLarge`].
-    pub fn add<T: Voxel>(
-        &mut self,
-        slices: Slices<'_, T>,
-        rows: &InsideRows,
-        layers: Range<usize>,
-    ) -> Result<(), ExtractError> {
-        let iso = self.level.iso();
-        let plan = match self.topology {
-            Topology::Vtk => self.plan(&layers, rows, |k, counts| cells::count(rows, k, counts)),
-            Topology::Trilinear => self.plan(&layers, rows, |k, counts| manifold::count(slices, rows, iso, k, counts)),
-        }?;
-        let (level, topology) = (self.level, self.topology);
-        let done = self.fill(&layers, |k, sink, triangles| {
-            for kind in 0..plan.edge_kinds(topology) {
-                interpolate(slices, rows, plan.slice(k), &level, [kind, k], sink);
-            }
-            if k + 1 < rows.slices.end {
-                let plan = [plan.slice(k), plan.slice(k + 1)];
-                match topology {
-                    Topology::Vtk => cells::connect(rows, k, plan, triangles),
-                    Topology::Trilinear => manifold::connect(slices, rows, &level, k, plan, sink, triangles),
-                }
-            }
-        });
-        for (hits, loose) in done {
-            self.hits.push(hits);
-            self.loose.extend(loose);
+    pub fn add<T: Voxel>(&mut self, classifier: &Classifier<'_, T>, layers: Range<usize>) -> Result<(), ExtractError> {
+        let longest = layers.len().div_ceil(RUNS_A_THREAD * rayon::current_num_threads());
+        let length = longest.clamp(1, LONGEST_RUN);
+        let sets = self.count(classifier, &layers, length)?;
+        let [vertices, triangles] = self.before[layers.end];
+        grow(&mut self.mesh.positions, vertices, [0.0; 3]);
+        grow(&mut self.mesh.normals, vertices, [0.0; 3]);
+        grow(&mut self.mesh.triangles, triangles, [0; 3]);
+        let known = Known {
+            first_slice: layers.start,
+            sets: &sets,
+        };
+        for done in self.fill(classifier, &layers, length, known).into_iter().flatten() {
+            self.hits.push(done.hits);
+            self.loose.extend(done.loose);
         }
         Ok(())
     }
 
-    /// Counts with `count`, and says where everything goes; makes room for it.
-    fn plan(
+    /// Counts what starts in each of the layers, and returns what is known of the words of their rows.
+    fn count<T: Voxel>(
         &mut self,
+        classifier: &Classifier<'_, T>,
         layers: &Range<usize>,
-        rows: &InsideRows,
-        count: impl Fn(usize, &mut [RowCount]) + Sync,
-    ) -> Result<Plan, ExtractError> {
+        length: usize,
+    ) -> Result<Vec<WordSets>, ExtractError> {
         let ny = self.dims[1];
-        let planned = layers.start..(layers.end + 1).min(rows.slices.end);
-        let mut counts = vec![RowCount::default(); ny * planned.len()];
-        let slices = counts.par_chunks_mut(ny).zip(planned.clone());
-        slices.for_each(|(counts, k)| count(k, counts));
-        let mut plan = Plan {
-            rows: vec![RowPlan::default(); counts.len()],
-            first_slice: layers.start,
-            ny,
-        };
-        let [vertices, triangles] = self.before[self.before.len() - 1];
-        let mut ends = [vertices as u64, triangles as u64];
-        for ((counts, rows), k) in counts.chunks(ny).zip(plan.rows.chunks_mut(ny)).zip(planned) {
-            number(counts, rows, &mut ends);
-            // What belongs to the slice after the layers is numbered, but is not theirs to count.
-            if layers.contains(&k) {
-                self.before
-                    .push([countable(ends[0], "vertices")?, countable(ends[1], "triangles")?]);
-            }
+        let (topology, iso) = (self.topology, self.level.iso());
+        let mut sets = vec![WordSets::OUTSIDE; ny * layers.len()];
+        let mut counts = vec![[0; 2]; layers.len()];
+        let runs = sets.par_chunks_mut(ny * length).zip(counts.par_chunks_mut(length));
+        runs.enumerate().for_each(|(n, (sets, counts))| {
+            let first = layers.start + n * length;
+            let mut crossings = Crossings::new(classifier.slices.dims);
+            let mut active = Vec::new();
+            walk(classifier, first..first + counts.len(), Known::default(), |rows, k| {
+                sets[ny * (k - first)..][..ny].copy_from_slice(rows.sets(k));
+                crossings.find(rows, k);
+                let count = &mut counts[k - first];
+                count[0] = crossings.count();
+                if rows.slices.contains(&(k + 1)) {
+                    cells::find_active(rows, k, &mut active);
+                    match topology {
+                        Topology::Vtk => count[1] = cells::count(rows, k, &active),
+                        Topology::Trilinear => {
+                            let cells = manifold::Layer {
+                                slices: classifier.slices,
+                                k,
+                                active: &active,
+                            };
+                            let within = cells.count(iso);
+                            count[0] += within[0];
+                            count[1] = within[1];
+                        }
+                    }
+                }
+            });
+        });
+        let [mut vertices, mut triangles] = self.before[layers.start].map(|n| n as u64);
+        for count in counts {
+            vertices += count[0];
+            triangles += count[1];
+            self.before
+                .push([countable(vertices, "vertices")?, countable(triangles, "triangles")?]);
         }
-        let [vertices, triangles] = self.before[self.before.len() - 1];
-        grow(&mut self.mesh.positions, vertices, [0.0; 3]);
-        grow(&mut self.mesh.normals, vertices, [0.0; 3]);
-        grow(&mut self.mesh.triangles, triangles, [0; 3]);
-        Ok(plan)
+        Ok(sets)
     }
 
-    /// Has `fill` write each layer's vertices and triangles.
-    fn fill(
+    /// Writes each layer's vertices and triangles.
+    fn fill<T: Voxel>(
         &mut self,
+        classifier: &Classifier<'_, T>,
         layers: &Range<usize>,
-        fill: impl Fn(usize, &mut VertexSink<'_>, &mut [[u32; 3]]) + Send + Sync,
-    ) -> Vec<(Vec<Hit>, Vec<Loose>)> {
+        length: usize,
+        known: Known<'_>,
+    ) -> Vec<Vec<Done>> {
         let [vertices, triangles] = self.before[layers.start];
-        let mut positions = &mut self.mesh.positions[vertices..];
-        let mut normals = &mut self.mesh.normals[vertices..];
-        let mut triangles = &mut self.mesh.triangles[triangles..];
-        let tasks: Vec<_> = layers
-            .clone()
-            .map(|k| {
-                let [start, end] = [self.before[k], self.before[k + 1]];
-                let sink = VertexSink {
-                    positions: split_off(&mut positions, end[0] - start[0]),
-                    normals: split_off(&mut normals, end[0] - start[0]),
-                    hits: Vec::new(),
-                    loose: Vec::new(),
-                    first: start[0] as u32,
-                    written: 0,
-                };
-                (k, sink, split_off(&mut triangles, end[1] - start[1]))
-            })
-            .collect();
-        let filled = |(k, mut sink, triangles): (usize, VertexSink<'_>, &mut [[u32; 3]])| {
-            fill(k, &mut sink, triangles);
-            (sink.hits, sink.loose)
+        let mut room = Room {
+            positions: &mut self.mesh.positions[vertices..],
+            normals: &mut self.mesh.normals[vertices..],
+            triangles: &mut self.mesh.triangles[triangles..],
         };
-        tasks.into_par_iter().map(filled).collect()
+        let filler = Filler {
+            classifier,
+            known,
+            before: &self.before,
+            level: self.level,
+            topology: self.topology,
+        };
+        let starts = layers.clone().step_by(length);
+        let runs = starts.map(|start| start..(start + length).min(layers.end));
+        let runs: Vec<_> = runs
+            .map(|run| (run.clone(), room.split_off(&self.before, run)))
+            .collect();
+        runs.into_par_iter().map(|(run, room)| filler.fill(run, room)).collect()
     }
 
-    /// The numbers that the vertices of slice `k` of the lattice, all of which is held, have got, for each of its rows.
-    pub fn rows(&self, rows: &InsideRows, k: usize) -> Vec<RowPlan> {
-        let mut counts = vec![RowCount::default(); self.dims[1]];
-        let mut plan = vec![RowPlan::default(); counts.len()];
-        cells::count(rows, k, &mut counts);
-        number(&counts, &mut plan, &mut self.before[k].map(|n| n as u64));
-        plan
+    /// The vertices that start in slice `k`, with the numbers they have got.
+    pub fn crossings(&self, rows: &InsideRows, k: usize) -> Crossings {
+        let mut crossings = Crossings::new(self.dims);
+        crossings.find(rows, k);
+        crossings.number(self.before[k][0] as u32);
+        crossings
     }
 
     /// The mesh.
@@ -182,40 +190,109 @@ impl Assembly {
     }
 }
 
-/// Where each row's vertices and triangles go. A slice's vertices are in the order of their kinds, each row after row.
-struct Plan {
-    rows: Vec<RowPlan>,
-    first_slice: usize,
-    ny: usize,
+/// Shows `visit` the bits round each of the layers in their order: those of one slice before it and three after it, as far
+/// as there are any.
+fn walk<T: Voxel>(
+    classifier: &Classifier<'_, T>,
+    layers: Range<usize>,
+    known: Known<'_>,
+    mut visit: impl FnMut(&InsideRows, usize),
+) {
+    let there = classifier.slices.held();
+    let mut rows = InsideRows::new(classifier.slices.dims);
+    for start in layers.clone().step_by(TOGETHER) {
+        let end = (start + TOGETHER).min(layers.end);
+        let held = there.start.max(start.saturating_sub(1))..there.end.min(end + 3);
+        rows.move_to(classifier, held, known);
+        (start..end).for_each(|k| visit(&rows, k));
+    }
 }
 
-impl Plan {
-    fn slice(&self, k: usize) -> &[RowPlan] {
-        &self.rows[self.ny * (k - self.first_slice)..][..self.ny]
-    }
+/// Where some slices' vertices and triangles go.
+struct Room<'a> {
+    positions: &'a mut [[f32; 3]],
+    normals: &'a mut [[f32; 3]],
+    triangles: &'a mut [[u32; 3]],
+}
 
-    /// How many kinds of vertices follow from edges and voxels alone.
-    fn edge_kinds(&self, topology: Topology) -> usize {
-        match topology {
-            Topology::Vtk => KINDS,
-            Topology::Trilinear => 3,
+impl<'a> Room<'a> {
+    /// Takes the room of `slices` from the front; `before` is [`Assembly::before`].
+    fn split_off(&mut self, before: &[[usize; 2]], slices: Range<usize>) -> Room<'a> {
+        let [start, end] = [before[slices.start], before[slices.end]];
+        let [vertices, triangles] = [end[0] - start[0], end[1] - start[1]];
+        Room {
+            positions: split_off(&mut self.positions, vertices),
+            normals: split_off(&mut self.normals, vertices),
+            triangles: split_off(&mut self.triangles, triangles),
         }
     }
 }
 
-/// Numbers what a slice's rows make from `ends` on, and moves `ends` behind it.
-fn number(counts: &[RowCount], rows: &mut [RowPlan], [vertices, triangles]: &mut [u64; 2]) {
-    for kind in 0..KINDS {
-        for (count, row) in counts.iter().zip(rows.iter_mut()) {
-            // Wraps only where there is an error in the end.
-            row.first[kind] = *vertices as u32;
-            row.any[kind] = count.vertices[kind] > 0;
-            *vertices += u64::from(count.vertices[kind]);
-        }
+/// What is left to do after a slice.
+struct Done {
+    hits: Vec<Hit>,
+    loose: Vec<Loose>,
+}
+
+/// Writes vertices and triangles that are counted.
+struct Filler<'a, T> {
+    classifier: &'a Classifier<'a, T>,
+    known: Known<'a>,
+    before: &'a [[usize; 2]],
+    level: Level,
+    topology: Topology,
+}
+
+impl<T: Voxel> Filler<'_, T> {
+    /// Writes what a run of layers makes.
+    fn fill(&self, run: Range<usize>, mut room: Room<'_>) -> Vec<Done> {
+        let slices = self.classifier.slices;
+        let [mut lower, mut upper] = [Crossings::new(slices.dims), Crossings::new(slices.dims)];
+        let mut active = Vec::new();
+        let mut done = Vec::with_capacity(run.len());
+        walk(self.classifier, run.clone(), self.known, |rows, k| {
+            if k == run.start {
+                self.find(rows, k, &mut lower);
+            }
+            let room = room.split_off(self.before, k..k + 1);
+            let mut sink = VertexSink {
+                positions: room.positions,
+                normals: room.normals,
+                hits: Vec::new(),
+                loose: Vec::new(),
+                first: self.before[k][0] as u32,
+                written: 0,
+            };
+            interpolate(slices, &lower, k, &self.level, &mut sink);
+            if k + 1 < slices.dims[2] {
+                self.find(rows, k + 1, &mut upper);
+                cells::find_active(rows, k, &mut active);
+                let crossings = [&lower, &upper];
+                match self.topology {
+                    Topology::Vtk => cells::connect(rows, k, crossings, &active, room.triangles),
+                    Topology::Trilinear => {
+                        let cells = manifold::Layer {
+                            slices,
+                            k,
+                            active: &active,
+                        };
+                        cells.connect(crossings, &self.level, &mut sink, room.triangles);
+                    }
+                }
+                std::mem::swap(&mut lower, &mut upper);
+            }
+            done.push(Done {
+                hits: sink.hits,
+                loose: sink.loose,
+            });
+        });
+        done
     }
-    for (count, row) in counts.iter().zip(rows) {
-        row.triangles = count.triangles > 0;
-        *triangles += u64::from(count.triangles);
+
+    /// Finds and numbers the vertices that start in slice `k`.
+    fn find(&self, rows: &InsideRows, k: usize, crossings: &mut Crossings) {
+        crossings.find(rows, k);
+        crossings.number(self.before[k][0] as u32);
     }
 }
 
@@ -227,11 +304,11 @@ fn countable(n: u64, what: &'static str) -> Result<usize, ExtractError> {
 }
 
 /// Lengthens `values` to `len`. An empty one is made anew: zeros come from the system without being written.
-fn grow<T: Clone>(values: &mut Vec<T>, len: usize, zero: T) {
+fn grow<T: Copy + Send + Sync>(values: &mut Vec<T>, len: usize, zero: T) {
     if values.is_empty() {
         *values = vec![zero; len];
     } else {
-        values.resize(len, zero);
+        values.par_extend(rayon::iter::repeat_n(zero, len - values.len()));
     }
 }
 

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::assemble::Assembly;
 use super::extract::{ExtractError, Topology};
-use super::inside::{InsideRows, Ties};
+use super::inside::{Classifier, Ties};
 use super::mesh::Mesh;
 use super::slices::Slices;
 use super::vertices::{Hit, Level, Loose};
@@ -51,11 +51,7 @@ pub fn extract_target(
     for start in (0..nz).step_by(LAYERS) {
         let layers = start..(start + LAYERS).min(nz);
         window.move_to(start.saturating_sub(1)..(layers.end + 2).min(nz));
-        let slices = window.slices();
-        let held = layers.start..(layers.end + 1).min(nz);
-        if let Some(rows) = InsideRows::of(slices, held, iso, Ties::Apart) {
-            assembly.add(slices, &rows, layers.clone())?;
-        }
+        assembly.add(&Classifier::new(window.slices(), iso, Ties::Apart), layers.clone())?;
         done(layers.len());
     }
     fasten(&mut assembly, target);

@@ -1,103 +1,54 @@
-//! Rows of cells: their cases, how many vertices and triangles they make, and which vertices the triangles have
-//! (LC87 §4, step 4, and the coherence of §5.1).
+//! Cells: which of them the surface runs through, their cases, and which vertices their triangles have (LC87 §4, step 4).
 //!
-//! *Theory.* Of a cell's twelve edges only three are new; the other nine were met in earlier cells, and so were the vertices
-//! on them.
-//! *Changes from the paper.* No vertex is looked up in earlier rows or slices. Vertices are numbered in the order of the edges
-//! that are crossed, so an edge's vertex is its row's first one plus the number of crossed edges before it in the row: the
-//! set bits below it. All rows can then be worked on at once.
-//! *Practice.* A voxel of the isovalue itself takes the vertices of all its crossed edges together: it has a vertex of its own,
-//! and they have none. A triangle of which two corners became one is left out, as vtkMarchingCubes does.
+//! *Practice.* Where a cell's edges end on voxels of the isovalue, their vertices are those voxels'. A triangle of which two
+//! corners became one is left out, as vtkMarchingCubes does.
 
-use super::cases::{CASES, Case};
-use super::cell::CORNER_EDGES;
-use super::inside::InsideRows;
+use super::cases::{CASES, Case, MAX_TRIANGLES};
+use super::cell::{CORNER_EDGES, edge_corners};
+use super::crossings::{Crossings, ON_VOXELS};
+use super::inside::{InsideRows, SliceBits};
 
-/// The kinds of vertices: on x, y and z edges, and others.
-pub(super) const KINDS: usize = 4;
-
-/// The kind of vertices that lie on voxels; those below it are the edges' axes.
-pub(super) const ON_VOXELS: usize = 3;
-
-/// The kind of vertices that lie within cells, in the trilinear topology, which has none on voxels.
-pub(super) const IN_CELLS: usize = 3;
-
-/// How many vertices of each kind start in a row of voxels, and triangles in the row of cells there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct RowCount {
-    pub vertices: [u32; KINDS],
-    pub triangles: u32,
+/// One bit for each cell between slices `k` and `k + 1` that has corners both inside and outside, row after row as of voxels.
+pub(super) fn find_active(rows: &InsideRows, k: usize, active: &mut Vec<u64>) {
+    let row = rows.words_a_row();
+    active.resize(row * (rows.dims[1] - 1), 0);
+    let [lower, upper] = [rows.inside(k), rows.inside(k + 1)];
+    find_mixed([lower, lower.skip(row), upper, upper.skip(row)], rows.starts(), active);
 }
 
-/// Where a row's vertices are, and whether it has any work.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RowPlan {
-    /// The number of the row's first vertex of each kind.
-    pub first: [u32; KINDS],
-    /// Whether there is any vertex of each kind.
-    pub any: [bool; KINDS],
-    /// Whether there is any triangle.
-    pub triangles: bool,
+/// The cells with corners both inside and outside, of the four rows of voxels round each row of them.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn find_mixed(rows: [SliceBits<'_>; 4], starts: &[u64], mixed: &mut [u64]) {
+    let words = mixed.len();
+    let [a, b, c, d] = rows.map(|bits| &bits.0[..words]);
+    let [a1, b1, c1, d1] = rows.map(|bits| &bits.0[1..][..words]);
+    let starts = &starts[..words];
+    for n in 0..words {
+        let (any, all) = (a[n] | b[n] | c[n] | d[n], a[n] & b[n] & c[n] & d[n]);
+        let (any_after, all_after) = (a1[n] | b1[n] | c1[n] | d1[n], a1[n] & b1[n] & c1[n] & d1[n]);
+        let (any_next, all_next) = (any >> 1 | any_after << 63, all >> 1 | all_after << 63);
+        mixed[n] = (any | any_next) & !(all & all_next) & starts[n];
+    }
 }
 
-/// The bits of the four rows of voxels round a row of cells: bit 0 of an index is the upper one in y, bit 1 in z.
-///
-/// A row of voxels at the upper border of the lattice, or of the slices held, has no row of cells; the missing rows are the
-/// border's own once more, so that no edge towards them is crossed.
-#[derive(Clone, Copy)]
-pub(super) struct RowsRound<'a> {
-    inside: [&'a [u64]; 4],
-    /// Empty where the surface goes through no voxel.
-    on: [&'a [u64]; 4],
-    /// Voxels in a row.
-    width: usize,
+/// 64 cells of a row: the corners that are inside, and those that the surface goes through.
+pub(super) struct CellWord {
+    pub inside: Corners,
+    pub on: Corners,
+    /// The cells there are.
+    pub cells: u64,
 }
 
-impl<'a> RowsRound<'a> {
-    /// The rows round row `j` of slice `k`.
+impl CellWord {
+    /// Word `w` of row `j` between slices `k` and `k + 1`.
     #[inline(always)]
-    pub fn new(rows: &'a InsideRows, j: usize, k: usize) -> Self {
-        let [width, ny, _] = rows.dims;
-        let (up, above) = ((j + 1).min(ny - 1), (k + 1).min(rows.slices.end - 1));
+    pub fn new(rows: &InsideRows, [w, j, k]: [usize; 3]) -> Self {
+        let row = rows.words_a_row();
+        let first = j * row + w;
         Self {
-            inside: [rows.row(j, k), rows.row(up, k), rows.row(j, above), rows.row(up, above)],
-            on: [rows.on(j, k), rows.on(up, k), rows.on(j, above), rows.on(up, above)],
-            width,
-        }
-    }
-
-    /// Words in a row.
-    #[inline(always)]
-    pub fn words(&self) -> usize {
-        self.inside[0].len()
-    }
-
-    /// The part of all rows in word `w`.
-    #[inline(always)]
-    pub fn word(&self, w: usize) -> CellWord {
-        // The last voxel of a row starts neither a cell nor an x edge.
-        let starts = self.width - 1 - (w * 64).min(self.width - 1);
-        CellWord {
-            inside: Corners::new(&self.inside, w),
-            on: Corners::new(&self.on, w),
-            cells: if starts >= 64 { u64::MAX } else { (1 << starts) - 1 },
-        }
-    }
-
-    /// The cells with corners both inside and outside in word `w`.
-    #[inline(always)]
-    pub fn active(&self, w: usize) -> u64 {
-        self.word(w).active()
-    }
-
-    /// The vertices of `kind` in word `w` of the first row.
-    #[inline(always)]
-    pub fn vertices(&self, w: usize, kind: usize) -> u64 {
-        let word = self.word(w);
-        match kind {
-            0 => word.own_x(0),
-            1 | 2 => word.own_across(0, kind),
-            _ => word.on.here[0],
+            inside: Corners::new([rows.inside(k), rows.inside(k + 1)], [first, first + row]),
+            on: Corners::new([rows.on(k), rows.on(k + 1)], [first, first + row]),
+            cells: rows.starts()[first],
         }
     }
 }
@@ -109,17 +60,16 @@ pub(super) struct Corners {
 }
 
 impl Corners {
+    /// Of the words `row[0]` and `row[1]` of two slices. Their last cell may have corners of the next row, if it is none.
     #[inline(always)]
-    fn new(rows: &[&[u64]; 4], w: usize) -> Self {
+    fn new([lower, upper]: [SliceBits<'_>; 2], [row, next_row]: [usize; 2]) -> Self {
         let (mut here, mut next) = ([0; 4], [0; 4]);
-        for n in 0..4 {
-            if w < rows[n].len() {
-                here[n] = rows[n][w];
-                next[n] = here[n] >> 1;
-            }
-            if w + 1 < rows[n].len() {
-                next[n] |= rows[n][w + 1] << 63;
-            }
+        for (n, (slice, w)) in [(lower, row), (lower, next_row), (upper, row), (upper, next_row)]
+            .into_iter()
+            .enumerate()
+        {
+            here[n] = slice.0[w];
+            next[n] = here[n] >> 1 | slice.0[w + 1] << 63;
         }
         Self { here, next }
     }
@@ -143,44 +93,15 @@ impl Corners {
     pub fn of_cell(&self, i: u32) -> usize {
         let mut corners = 0;
         for row in 0..4 {
-            corners |= (self.here[row] >> i & 1) << (2 * row) | (self.next[row] >> i & 1) << (2 * row + 1);
+            // The corners of a row are next to each other but in the last cell of a word.
+            let pair = if i < 63 {
+                self.here[row] >> i & 3
+            } else {
+                self.here[row] >> 63 | (self.next[row] >> 63) << 1
+            };
+            corners |= pair << (2 * row);
         }
         corners as usize
-    }
-}
-
-/// 64 cells of a row.
-pub(super) struct CellWord {
-    pub inside: Corners,
-    pub on: Corners,
-    /// The cells there are.
-    pub cells: u64,
-}
-
-impl CellWord {
-    /// The x edges of a row with a vertex of their own.
-    #[inline(always)]
-    fn own_x(&self, row: usize) -> u64 {
-        (self.inside.here[row] ^ self.inside.next[row]) & self.cells & !(self.on.here[row] | self.on.next[row])
-    }
-
-    /// The edges from one row to another with a vertex of their own.
-    #[inline(always)]
-    fn own_across(&self, from: usize, to: usize) -> u64 {
-        (self.inside.here[from] ^ self.inside.here[to]) & !(self.on.here[from] | self.on.here[to])
-    }
-
-    /// Whether all voxels are inside or all outside, and the surface goes through none: there are no vertices and no
-    /// triangles.
-    #[inline(always)]
-    fn is_plain(&self) -> bool {
-        self.inside.any() == self.inside.all() && self.on.any() == 0
-    }
-
-    /// The cells with corners both inside and outside.
-    #[inline(always)]
-    fn active(&self) -> u64 {
-        self.inside.any() & !self.inside.all() & self.cells
     }
 }
 
@@ -198,47 +119,33 @@ impl Iterator for SetBits {
     }
 }
 
-/// Counts what each row of slice `k` makes.
+/// How many triangles the `active` cells between slices `k` and `k + 1` have.
 #[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
-pub(super) fn count(rows: &InsideRows, k: usize, counts: &mut [RowCount]) {
-    for (j, count) in counts.iter_mut().enumerate() {
-        let round = RowsRound::new(rows, j, k);
-        let has_cells = j + 1 < rows.dims[1] && k + 1 < rows.slices.end;
-        *count = RowCount::default();
-        for w in 0..round.words() {
-            let word = round.word(w);
-            if word.is_plain() {
+pub(super) fn count(rows: &InsideRows, k: usize, active: &[u64]) -> u64 {
+    let words_a_row = rows.words_a_row();
+    let mut count = 0;
+    for j in 0..rows.dims[1] - 1 {
+        for w in 0..words_a_row {
+            let active = active[j * words_a_row + w];
+            if active == 0 {
                 continue;
             }
-            count.vertices[0] += word.own_x(0).count_ones();
-            count.vertices[1] += word.own_across(0, 1).count_ones();
-            count.vertices[2] += word.own_across(0, 2).count_ones();
-            count.vertices[ON_VOXELS] += word.on.here[0].count_ones();
-            if has_cells {
-                count.triangles += triangles(&word);
+            let word = CellWord::new(rows, [w, j, k]);
+            let through = word.on.any();
+            for i in SetBits(active & !through) {
+                count += u64::from(CASES[word.inside.of_cell(i)].count);
+            }
+            for i in SetBits(active & through) {
+                count += u64::from(count_through(&CASES[word.inside.of_cell(i)], word.on.of_cell(i)));
             }
         }
-    }
-}
-
-/// How many triangles the cells of a word make.
-#[inline(always)]
-fn triangles(word: &CellWord) -> u32 {
-    let mut count = 0;
-    let active = word.active();
-    let through = word.on.any();
-    for i in SetBits(active & !through) {
-        count += u32::from(CASES[word.inside.of_cell(i)].count);
-    }
-    for i in SetBits(active & through) {
-        count += triangles_through(&CASES[word.inside.of_cell(i)], word.on.of_cell(i));
     }
     count
 }
 
 /// How many triangles a case makes where the surface goes through the corners `on`.
 #[inline(always)]
-fn triangles_through(case: &Case, on: usize) -> u32 {
+fn count_through(case: &Case, on: usize) -> u32 {
     let mut vertices = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
     for corner in SetBits(on as u64) {
         for e in CORNER_EDGES[corner as usize] {
@@ -269,93 +176,214 @@ pub(super) fn is_whole<V: PartialEq>([a, b, c]: [V; 3]) -> bool {
     a != b && b != c && c != a
 }
 
-/// Writes the triangles of the cells between slices `k` and `k + 1`; `plan` is for each row of those two slices.
+/// Writes the triangles of the `active` cells between slices `k` and `k + 1`, whose vertices are `crossings`.
 #[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
-pub(super) fn connect(rows: &InsideRows, k: usize, plan: [&[RowPlan]; 2], triangles: &mut [[u32; 3]]) {
-    let mut places = triangles.iter_mut();
-    for j in (0..rows.dims[1] - 1).filter(|j| plan[0][*j].triangles) {
-        let round = RowsRound::new(rows, j, k);
-        let [lower, upper] = plan;
-        let mut first = [lower[j].first, lower[j + 1].first, upper[j].first, upper[j + 1].first];
-        for w in 0..round.words() {
-            let word = round.word(w);
-            if word.is_plain() {
-                continue;
-            }
-            let numbering = Numbering::of(&word);
-            let through = word.on.any();
-            for i in SetBits(word.active()) {
-                let case = &CASES[word.inside.of_cell(i)];
-                let mut vertices = numbering.on_edges(&first, i);
-                if through >> i & 1 == 1 {
-                    numbering.move_to_corners(&first, i, word.on.of_cell(i), &mut vertices);
+pub(super) fn connect(
+    rows: &InsideRows,
+    k: usize,
+    crossings: [&Crossings; 2],
+    active: &[u64],
+    triangles: &mut [[u32; 3]],
+) {
+    let words_a_row = rows.words_a_row();
+    let mut rest = triangles;
+    for j in 0..rows.dims[1] - 1 {
+        let active = &active[j * words_a_row..][..words_a_row];
+        if active.iter().all(|word| *word == 0) {
+            continue;
+        }
+        let mut numbering = Numbering::new(crossings, j);
+        for (w, active) in active.iter().enumerate() {
+            let own = OwnVertices::of(crossings, j, w);
+            if *active != 0 {
+                let word = CellWord::new(rows, [w, j, k]);
+                let through = word.on.any();
+                for i in SetBits(*active) {
+                    let case = word.inside.of_cell(i);
+                    let written = if through >> i & 1 == 0 {
+                        numbering.step_over_cell(&STEPS[case]);
+                        write_all(rest, &SLOT_CASES[case], &numbering.vertices)
+                    } else {
+                        let mut vertices = numbering.next_cell(&own, i);
+                        numbering.move_to_corners(&own, i, word.on.of_cell(i), &mut vertices);
+                        write_whole(rest, &CASES[case], &vertices)
+                    };
+                    rest = &mut rest[written..];
                 }
-                for edges in &case.triangles[..usize::from(case.count)] {
-                    let triangle = corners(edges, &vertices);
-                    if is_whole(triangle)
-                        && let Some(place) = places.next()
-                    {
-                        *place = triangle;
-                    }
-                }
             }
-            numbering.step_over(&mut first);
+            numbering.end_word(&own);
         }
     }
 }
 
-/// The vertices round 64 cells of a row: on x edges of all four rows, on y edges of the lower and the upper slice, on z edges
-/// of the lower and the upper row, and on voxels of all four rows.
-pub(super) struct Numbering {
-    x: [u64; 4],
-    y: [u64; 2],
-    z: [u64; 2],
+/// Writes the triangles of a case, none of whose vertices are one, and returns how many there are.
+#[inline(always)]
+fn write_all(room: &mut [[u32; 3]], case: &Case, vertices: &Vertices) -> usize {
+    let count = usize::from(case.count);
+    let corner = |slot: u8| vertices[usize::from(slot) % vertices.len()];
+    // What is too much is overwritten by the next cell: that is faster than a loop of unknown length.
+    if let Some(room) = room.first_chunk_mut::<MAX_TRIANGLES>() {
+        *room = case.triangles.map(|slots| slots.map(corner));
+    } else {
+        for (triangle, slots) in room[..count].iter_mut().zip(case.triangles) {
+            *triangle = slots.map(corner);
+        }
+    }
+    count
+}
+
+/// [`write_all`] for those triangles of which no two corners are one.
+#[inline(always)]
+fn write_whole(room: &mut [[u32; 3]], case: &Case, vertices: &[u32; 12]) -> usize {
+    let mut written = 0;
+    for edges in &case.triangles[..usize::from(case.count)] {
+        let triangle = corners(edges, vertices);
+        if is_whole(triangle) {
+            room[written] = triangle;
+            written += 1;
+        }
+    }
+    written
+}
+
+/// The edges with a vertex of their own that a row of cells goes along: x edges of its four rows of voxels, y edges of the lower
+/// and the upper slice, z edges of the lower and the upper row.
+const TRACKS: usize = 8;
+
+/// The vertices round a cell: on each track the one at the cell's lower x, and then on each the next one. Of tracks in y and z
+/// that is the one at the cell's upper x, if it has both.
+type Vertices = [u32; 2 * TRACKS];
+
+/// Where the vertex on each of the twelve edges is among [`Vertices`].
+const SLOTS: [u8; 12] = [0, 1, 2, 3, 4, 12, 5, 13, 6, 14, 7, 15];
+
+/// [`CASES`], with the slots of edges in place of edges.
+static SLOT_CASES: [Case; 256] = {
+    let mut cases = CASES;
+    let mut n = 0;
+    while n < 256 * MAX_TRIANGLES * 3 {
+        let edge = &mut cases[n / (3 * MAX_TRIANGLES)].triangles[n / 3 % MAX_TRIANGLES][n % 3];
+        *edge = SLOTS[*edge as usize];
+        n += 1;
+    }
+    cases
+};
+
+/// For each case, how many vertices the cell has on each track that the next cell has no more.
+static STEPS: [[u8; TRACKS]; 256] = {
+    let mut steps = [[0; TRACKS]; 256];
+    let mut n = 0;
+    while n < 256 * TRACKS {
+        let (case, track) = (n / TRACKS, n % TRACKS);
+        let mut edge = 0;
+        while SLOTS[edge] as usize != track {
+            edge += 1;
+        }
+        let [a, b] = edge_corners(edge as u8);
+        steps[case][track] = (case >> a ^ case >> b) as u8 & 1;
+        n += 1;
+    }
+    steps
+};
+
+/// Which edges and voxels round 64 cells of a row have a vertex of their own.
+pub(super) struct OwnVertices {
+    /// On each track.
+    edges: [u64; TRACKS],
+    /// On voxels of all four rows.
     on: [u64; 4],
 }
 
-impl Numbering {
-    /// The vertices in word `w`.
-    pub fn new(round: &RowsRound<'_>, w: usize) -> Self {
-        Self::of(&round.word(w))
-    }
-
+impl OwnVertices {
+    /// Round word `w` of row `j`, of the crossings that start in the lower and in the upper slice.
     #[inline(always)]
-    pub fn of(word: &CellWord) -> Self {
+    pub fn of([lower, upper]: [&Crossings; 2], j: usize, w: usize) -> Self {
+        let own = |slice: &Crossings, kind, j| slice.word(kind, j, w);
         Self {
-            x: [word.own_x(0), word.own_x(1), word.own_x(2), word.own_x(3)],
-            y: [word.own_across(0, 1), word.own_across(2, 3)],
-            z: [word.own_across(0, 2), word.own_across(1, 3)],
-            on: word.on.here,
+            edges: [
+                own(lower, 0, j),
+                own(lower, 0, j + 1),
+                own(upper, 0, j),
+                own(upper, 0, j + 1),
+                own(lower, 1, j),
+                own(upper, 1, j),
+                own(lower, 2, j),
+                own(lower, 2, j + 1),
+            ],
+            on: [
+                own(lower, ON_VOXELS, j),
+                own(lower, ON_VOXELS, j + 1),
+                own(upper, ON_VOXELS, j),
+                own(upper, ON_VOXELS, j + 1),
+            ],
         }
     }
 
-    /// The vertex on each of the twelve edges of cell `i`; a meaningless number where the edge has none of its own.
+    /// How many vertices cell `i` has on each track that the next cell has no more.
     #[inline(always)]
-    pub fn on_edges(&self, first: &[[u32; KINDS]; 4], i: u32) -> [u32; 12] {
+    fn step(&self, i: u32) -> [u8; TRACKS] {
+        self.edges.map(|edges| (edges >> i & 1) as u8)
+    }
+}
+
+/// The numbers of the vertices round the cells of a row, from one cell with a surface to the next.
+#[derive(Clone)]
+pub(super) struct Numbering {
+    /// Those round the cell that was stepped over last; the second half is the first half of the cell that comes next.
+    vertices: Vertices,
+    /// The first vertex on voxels of each row, of the word.
+    on: [u32; 4],
+}
+
+impl Numbering {
+    /// Before the first cell of row `j`, of the crossings that start in the lower and in the upper slice.
+    #[inline(always)]
+    pub fn new([lower, upper]: [&Crossings; 2], j: usize) -> Self {
+        let (lower, upper) = (&lower.numbers, &upper.numbers);
+        let rows = [lower[j], lower[j + 1], upper[j], upper[j + 1]];
+        let [a, b, c, d] = rows;
+        let mut vertices = [0; 2 * TRACKS];
+        vertices[TRACKS..].copy_from_slice(&[a[0], b[0], c[0], d[0], a[1], c[1], a[2], b[2]]);
+        Self {
+            vertices,
+            on: rows.map(|row| row[ON_VOXELS]),
+        }
+    }
+
+    /// Takes a step over a cell.
+    #[inline(always)]
+    fn step_over_cell(&mut self, step: &[u8; TRACKS]) {
+        for n in 0..TRACKS {
+            self.vertices[n] = self.vertices[TRACKS + n];
+        }
+        for (next, step) in self.vertices[TRACKS..].iter_mut().zip(step) {
+            *next += u32::from(*step);
+        }
+    }
+
+    /// The vertex on each of the twelve edges of cell `i`, a meaningless number where the edge has none of its own; and steps
+    /// over the cell. All cells with a surface are stepped over in their order.
+    #[inline(always)]
+    pub fn next_cell(&mut self, own: &OwnVertices, i: u32) -> [u32; 12] {
+        self.step_over_cell(&own.step(i));
+        SLOTS.map(|slot| self.vertices[usize::from(slot)])
+    }
+
+    /// The vertex on each of the twelve edges of any cell `i` of a word before its first is stepped over.
+    pub fn on_edges(&self, own: &OwnVertices, i: u32) -> [u32; 12] {
+        let mut there = self.clone();
         let before = (1 << i) - 1;
-        // Edges at the cell's upper x are one further in their row.
-        let through = before | 1 << i;
-        [
-            number(first[0][0], self.x[0], before),
-            number(first[1][0], self.x[1], before),
-            number(first[2][0], self.x[2], before),
-            number(first[3][0], self.x[3], before),
-            number(first[0][1], self.y[0], before),
-            number(first[0][1], self.y[0], through),
-            number(first[2][1], self.y[1], before),
-            number(first[2][1], self.y[1], through),
-            number(first[0][2], self.z[0], before),
-            number(first[0][2], self.z[0], through),
-            number(first[1][2], self.z[1], before),
-            number(first[1][2], self.z[1], through),
-        ]
+        for (next, edges) in there.vertices[TRACKS..].iter_mut().zip(own.edges) {
+            *next += (edges & before).count_ones();
+        }
+        there.next_cell(own, i)
     }
 
     /// Puts the vertices of those corners of cell `i` that are `on` in place of the vertices on their edges.
     #[inline(always)]
-    pub fn move_to_corners(&self, first: &[[u32; KINDS]; 4], i: u32, on: usize, vertices: &mut [u32; 12]) {
+    pub fn move_to_corners(&self, own: &OwnVertices, i: u32, on: usize, vertices: &mut [u32; 12]) {
         for corner in SetBits(on as u64) {
-            let vertex = self.on_corner(first, i, corner);
+            let vertex = self.on_corner(own, i, corner);
             for e in CORNER_EDGES[corner as usize] {
                 vertices[usize::from(e)] = vertex;
             }
@@ -364,28 +392,25 @@ impl Numbering {
 
     /// The vertex on a corner of cell `i`; a meaningless number where it is not one.
     #[inline(always)]
-    pub fn on_corner(&self, first: &[[u32; KINDS]; 4], i: u32, corner: u32) -> u32 {
+    pub fn on_corner(&self, own: &OwnVertices, i: u32, corner: u32) -> u32 {
         let row = (corner / 2) as usize;
         let below = ((1 << i) - 1) | u64::from(corner % 2) << i;
-        number(first[row][ON_VOXELS], self.on[row], below)
+        self.on[row] + (own.on[row] & below).count_ones()
     }
 
-    /// Moves `first` to the next word.
+    /// Steps over the vertices on voxels of a word whose cells have been stepped over.
     #[inline(always)]
-    pub fn step_over(&self, first: &mut [[u32; KINDS]; 4]) {
-        for (first, (x, on)) in first.iter_mut().zip(self.x.iter().zip(&self.on)) {
-            first[0] += x.count_ones();
-            first[ON_VOXELS] += on.count_ones();
+    pub fn end_word(&mut self, own: &OwnVertices) {
+        for (next, on) in self.on.iter_mut().zip(own.on) {
+            *next += on.count_ones();
         }
-        first[0][1] += self.y[0].count_ones();
-        first[2][1] += self.y[1].count_ones();
-        first[0][2] += self.z[0].count_ones();
-        first[1][2] += self.z[1].count_ones();
     }
-}
 
-/// The number of a vertex: `first`, and one more for each before it in the row.
-#[inline(always)]
-fn number(first: u32, vertices: u64, before: u64) -> u32 {
-    first + (vertices & before).count_ones()
+    /// Steps over a word none of whose cells has been stepped over.
+    pub fn step_over(&mut self, own: &OwnVertices) {
+        for (next, edges) in self.vertices[TRACKS..].iter_mut().zip(own.edges) {
+            *next += edges.count_ones();
+        }
+        self.end_word(own);
+    }
 }

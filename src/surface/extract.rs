@@ -4,15 +4,11 @@ use glam::DAffine3;
 use thiserror::Error;
 
 use super::assemble::Assembly;
-use super::inside::{InsideRows, Ties};
+use super::inside::{Classifier, Ties};
 use super::mesh::Mesh;
 use super::slices::Slices;
 use super::vertices::Level;
 use crate::volume::{Grid, Voxel, Voxels, for_type};
-
-/// Slices whose vertices are made together. Their bits and plans are then small beside a volume, and few slices are worked on
-/// while they are in the processor's caches; more threads than this would wait for each other.
-const LAYERS: usize = 64;
 
 /// Why a surface could not be extracted.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -86,13 +82,6 @@ fn extract_typed<T: Voxel>(
     if dims.iter().any(|n| *n < 2) {
         return Ok(assembly.finish());
     }
-    for start in (0..dims[2]).step_by(LAYERS) {
-        let layers = start..(start + LAYERS).min(dims[2]);
-        // The slice after the layers is numbered with them: its edges to the next one, whose neighbour says what is on it.
-        let held = start.saturating_sub(1)..(layers.end + 3).min(dims[2]);
-        if let Some(rows) = InsideRows::of(slices, held, iso, ties) {
-            assembly.add(slices, &rows, layers)?;
-        }
-    }
+    assembly.add(&Classifier::new(slices, iso, ties), 0..dims[2])?;
     Ok(assembly.finish())
 }

@@ -4,150 +4,319 @@
 //! *Changes from the paper.* The bits of a whole row are found at once. All that follows works on words of 64 of them: where
 //! an edge is crossed its two ends differ, so crossings are an exclusive or of rows, and counting set bits numbers them.
 //! *Practice.* The isovalue is turned into the smallest value of the voxels' own type that is inside, so that voxels are
-//! compared as they are.
+//! compared as they are. Bits are held for a few slices only. Of the others no more is kept than which words need another look
+//! ([`WordSets`]), so that a second pass reads the voxels near the surface and no others.
 
 use std::ops::Range;
-
-use rayon::prelude::*;
 
 use super::cells::SetBits;
 use super::slices::Slices;
 use crate::volume::Voxel;
 
-/// The bits of a lattice of voxels: bit `i % 64` of word `i / 64` for voxel `i` of a row; bits beyond a row's end are 0.
-pub(super) struct InsideRows {
-    inside: Vec<u64>,
-    /// Voxels of the isovalue itself with a neighbour outside: the vertices on all their crossed edges are one. Empty where
-    /// no voxel can have it.
-    on: Vec<u64>,
-    /// The slices that are held.
-    pub slices: Range<usize>,
-    /// Voxels along each axis of the whole lattice.
-    pub dims: [usize; 3],
-}
-
 /// What becomes of vertices that lie on one voxel because it has the isovalue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ties {
-    /// They are one from the start, in slices whose neighbours are held.
+    /// They are one from the start.
     OneVertex,
     /// They are several.
     Apart,
 }
 
-impl InsideRows {
-    /// The bits of `held` slices for the surface at `iso`; `None` where the voxels' type ends below it.
-    pub fn of<T: Voxel>(slices: Slices<'_, T>, held: Range<usize>, iso: f64, ties: Ties) -> Option<Self> {
-        let smallest_inside = T::not_below(iso)?;
-        let mut rows = Self::outside(slices.dims, held);
-        if ties == Ties::OneVertex && smallest_inside.to_f64() == iso {
-            rows.classify_and_find(slices, smallest_inside);
-        } else {
-            rows.classify(slices, smallest_inside);
-        }
-        Some(rows)
-    }
+/// What tells voxels inside from others.
+#[derive(Clone, Copy)]
+pub(super) struct Classifier<'a, T> {
+    pub slices: Slices<'a, T>,
+    /// `None` where the voxels' type ends below the isovalue.
+    smallest_inside: Option<T>,
+    /// The isovalue, where voxels of it are to be found and their type has it.
+    iso: Option<T>,
+}
 
-    /// The bits of `held` slices of a lattice no voxel of which is inside.
-    pub fn outside(dims: [usize; 3], held: Range<usize>) -> Self {
+impl<'a, T: Voxel> Classifier<'a, T> {
+    /// For the surface at `iso`.
+    pub fn new(slices: Slices<'a, T>, iso: f64, ties: Ties) -> Self {
+        let smallest_inside = T::not_below(iso);
         Self {
-            inside: vec![0; dims[0].div_ceil(64) * dims[1] * held.len()],
+            slices,
+            smallest_inside,
+            iso: smallest_inside.filter(|v| ties == Ties::OneVertex && v.to_f64() == iso),
+        }
+    }
+}
+
+/// What is known of a row's words: a bit for each, or for each group of `2^n` of them where a row has more than 32.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct WordSets {
+    /// All voxels are inside.
+    full: u32,
+    /// Some voxels are inside and some are not. Words in neither set are all outside.
+    mixed: u32,
+    /// The surface may go through voxels.
+    on: u32,
+}
+
+impl WordSets {
+    /// All voxels are outside.
+    pub const OUTSIDE: Self = Self {
+        full: 0,
+        mixed: 0,
+        on: 0,
+    };
+
+    /// How the words of a row of `width` voxels are grouped: by `2^shift`.
+    fn shift(width: usize) -> u32 {
+        width.div_ceil(64).div_ceil(32).next_power_of_two().trailing_zeros()
+    }
+
+    /// Those of a row of `width` voxels, of which `row` are inside; the surface may go through any of these.
+    fn of(row: &[u64], width: usize) -> Self {
+        let shift = Self::shift(width);
+        let (mut some_outside, mut some_inside) = (0, 0);
+        for (w, word) in row.iter().enumerate() {
+            some_outside |= u32::from(*word != existing(width, w)) << (w >> shift);
+            some_inside |= u32::from(*word != 0) << (w >> shift);
+        }
+        Self {
+            full: some_inside & !some_outside,
+            mixed: some_inside & some_outside,
+            on: some_inside,
+        }
+    }
+}
+
+/// The bits of the voxels that word `w` of a row of `width` has.
+#[inline(always)]
+fn existing(width: usize, w: usize) -> u64 {
+    let left = width - w * 64;
+    if left >= 64 { u64::MAX } else { (1 << left) - 1 }
+}
+
+/// What is known of the rows of some slices.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Known<'a> {
+    pub first_slice: usize,
+    /// For each row, slice after slice.
+    pub sets: &'a [WordSets],
+}
+
+impl<'a> Known<'a> {
+    /// The rows of slice `k`, if they are known.
+    fn slice(&self, k: usize, ny: usize) -> Option<&'a [WordSets]> {
+        let start = k.checked_sub(self.first_slice)? * ny;
+        self.sets.get(start..start + ny)
+    }
+}
+
+/// One bit for each voxel of a slice, row after row: bit `i % 64` of word `i / 64` for voxel `i` of a row; bits beyond a row's
+/// end are 0. There is one more word, of any bits.
+#[derive(Clone, Copy)]
+pub(super) struct SliceBits<'a>(pub &'a [u64]);
+
+impl<'a> SliceBits<'a> {
+    /// All but the first `words`.
+    #[inline(always)]
+    pub fn skip(self, words: usize) -> Self {
+        Self(&self.0[words..])
+    }
+}
+
+/// The bits of some slices of a lattice.
+pub(super) struct InsideRows {
+    inside: Vec<u64>,
+    /// Voxels of the isovalue itself with a neighbour outside: the vertices on all their crossed edges are one. None are known
+    /// in slices whose neighbours are not held.
+    on: Vec<u64>,
+    sets: Vec<WordSets>,
+    /// The voxels of a slice that start an x edge.
+    starts: Vec<u64>,
+    /// Room for the voxels of a slice that differ from the next in x, behind a word of none.
+    changes: Vec<u64>,
+    /// The slices that are held.
+    pub slices: Range<usize>,
+    /// Voxels along each axis of the whole lattice.
+    pub dims: [usize; 3],
+    /// The end of the slices whose `on` is found.
+    settled: usize,
+    words_a_row: usize,
+}
+
+impl InsideRows {
+    /// Holds no slices yet.
+    pub fn new(dims: [usize; 3]) -> Self {
+        let words_a_row = dims[0].div_ceil(64);
+        let row = (0..words_a_row).map(|w| {
+            if w * 64 + 1 < dims[0] {
+                existing(dims[0] - 1, w)
+            } else {
+                0
+            }
+        });
+        Self {
+            inside: Vec::new(),
             on: Vec::new(),
-            slices: held,
+            sets: Vec::new(),
+            starts: row.cycle().take(words_a_row * dims[1]).collect(),
+            changes: vec![0; words_a_row * dims[1] + 1],
+            slices: 0..0,
             dims,
+            settled: 0,
+            words_a_row,
         }
     }
 
-    fn words_a_row(&self) -> usize {
-        self.dims[0].div_ceil(64)
+    /// The bits of `held` slices.
+    pub fn of<T: Voxel>(classifier: &Classifier<'_, T>, held: Range<usize>) -> Self {
+        let mut rows = Self::new(classifier.slices.dims);
+        rows.move_to(classifier, held, Known::default());
+        rows
     }
 
-    fn classify<T: Voxel>(&mut self, slices: Slices<'_, T>, smallest_inside: T) {
-        let words_a_slice = self.words_a_row() * self.dims[1];
-        let tasks = self.inside.par_chunks_mut(words_a_slice).zip(self.slices.clone());
-        tasks.for_each(|(inside, k)| classify(slices.slice(k), slices.dims[0], smallest_inside, inside));
+    /// Holds the slices `held`, which start and end in or after those held before; what is held already is kept. Where words
+    /// are `known` only the mixed ones are looked at.
+    pub fn move_to<T: Voxel>(&mut self, classifier: &Classifier<'_, T>, held: Range<usize>, known: Known<'_>) {
+        let fresh = self.slices.end.max(held.start);
+        self.drop_before(held.start);
+        self.slices = held;
+        let rows = self.dims[1] * self.slices.len();
+        let words = self.words_a_row * rows + 1;
+        self.inside.resize(words, 0);
+        self.on.resize(words, 0);
+        self.sets.resize(rows, WordSets::OUTSIDE);
+        for k in fresh..self.slices.end {
+            self.classify(classifier, k, known);
+            if let Some(iso) = classifier.iso {
+                self.find_ties(classifier.slices, iso, k);
+            }
+        }
     }
 
-    /// Classifies, and finds the voxels of the isovalue in all slices whose neighbours are held.
-    fn classify_and_find<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T) {
-        let words_a_slice = self.words_a_row() * self.dims[1];
-        let mut on = vec![0; self.inside.len()];
-        self.inside
-            .par_chunks_mut(words_a_slice)
-            .zip(on.par_chunks_mut(words_a_slice))
-            .zip(self.slices.clone())
-            .for_each(|((inside, on), k)| classify_and_find(slices.slice(k), slices.dims[0], iso, inside, on));
-        let tasks = on.par_chunks_mut(words_a_slice).zip(self.slices.clone());
-        tasks.for_each(|(on, k)| self.keep_on_surface(slices, k, on));
-        self.on = on;
+    fn drop_before(&mut self, k: usize) {
+        let rows = self.dims[1] * (k - self.slices.start).min(self.slices.len());
+        let words = self.words_a_row * rows;
+        self.inside.drain(..words);
+        self.on.drain(..words);
+        self.sets.drain(..rows);
     }
 
-    /// Clears the voxels of slice `k` all of whose neighbours are inside, and those with a neighbour that is not finite: the
-    /// vertex on an edge to it is elsewhere.
-    fn keep_on_surface<T: Voxel>(&self, slices: Slices<'_, T>, k: usize, on: &mut [u64]) {
-        let [_, ny, nz] = self.dims;
-        let (below, above) = (k.saturating_sub(1), (k + 1).min(nz - 1));
-        if !(self.slices.contains(&below) && self.slices.contains(&above)) {
-            on.fill(0);
+    fn classify<T: Voxel>(&mut self, classifier: &Classifier<'_, T>, k: usize, known: Known<'_>) {
+        let (first_row, ny, words) = (self.first_row(k), self.dims[1], self.words(k));
+        let sets = &mut self.sets[first_row..][..ny];
+        let Some(smallest_inside) = classifier.smallest_inside else {
+            sets.fill(WordSets::OUTSIDE);
             return;
+        };
+        let (voxels, inside) = (classifier.slices.slice(k), &mut self.inside[words]);
+        if let Some(known) = known.slice(k, ny) {
+            sets.copy_from_slice(known);
+            classify_mixed(voxels, self.dims[0], smallest_inside, inside, sets);
+        } else {
+            classify(voxels, self.dims[0], smallest_inside, inside);
+            for (row, sets) in inside.chunks_exact(self.words_a_row).zip(sets) {
+                *sets = WordSets::of(row, self.dims[0]);
+            }
         }
-        for (j, row) in on.chunks_exact_mut(self.words_a_row()).enumerate() {
-            if row.iter().all(|word| *word == 0) {
+    }
+
+    /// Finds the voxels of the isovalue that have a vertex, in the slices whose neighbours are classified now that slice `last`
+    /// is.
+    fn find_ties<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T, last: usize) {
+        let first = if self.slices.start == 0 {
+            0
+        } else {
+            self.slices.start + 1
+        };
+        let end = if last + 1 == self.dims[2] { last + 1 } else { last };
+        for k in first.max(self.settled)..end {
+            let (first_row, words) = (self.first_row(k), self.words(k));
+            let rows = first_row..first_row + self.dims[1];
+            if self.sets[rows.clone()].iter().all(|sets| sets.on == 0) {
                 continue;
             }
-            // Beyond the lattice the row's own voxels go on, which are inside.
-            let here = self.row(j, k);
-            let rows = [
-                self.row(j.saturating_sub(1), k),
-                self.row((j + 1).min(ny - 1), k),
-                self.row(j, below),
-                self.row(j, above),
-            ];
-            for (w, word) in row.iter_mut().enumerate() {
-                let before = here[w] << 1 | if w > 0 { here[w - 1] >> 63 } else { 1 };
-                let after = here[w] >> 1 | here.get(w + 1).map_or(1 << 63, |next| next << 63);
-                let last = self.dims[0] - 1;
-                let after = if last / 64 == w {
-                    after | 1 << (last % 64)
-                } else {
-                    after
-                };
-                let inside = rows.iter().fold(before & after, |inside, row| inside & row[w]);
-                *word &= !inside;
-                for i in SetBits(*word) {
-                    if !slices.has_finite_neighbours([w * 64 + i as usize, j, k]) {
-                        *word &= !(1 << i);
-                    }
+            let mut on = std::mem::take(&mut self.on);
+            self.outer_voxels(k, &mut on[words.clone()]);
+            let bits = on[words].chunks_exact_mut(self.words_a_row);
+            for (j, (row, sets)) in bits.zip(&mut self.sets[rows]).enumerate() {
+                if sets.on == 0 {
+                    row.fill(0);
+                } else if row.iter().any(|word| *word != 0) {
+                    keep_equal(slices.row(j, k), iso, row);
+                    keep_with_finite_neighbours(slices, [j, k], row);
                 }
+                sets.on = WordSets::of(row, self.dims[0]).on;
             }
+            self.on = on;
         }
+        self.settled = self.settled.max(end);
     }
 
-    /// The inside bits of row `j` of slice `k`.
-    #[inline(always)]
-    pub fn row(&self, j: usize, k: usize) -> &[u64] {
-        let words = self.words_a_row();
-        &self.inside[words * (j + self.dims[1] * (k - self.slices.start))..][..words]
+    /// Finds the voxels of slice `k` that are inside and have a neighbour outside. Beyond the lattice its border goes on.
+    fn outer_voxels(&mut self, k: usize, outer: &mut [u64]) {
+        let mut changes = std::mem::take(&mut self.changes);
+        let here = self.inside(k);
+        x_changes(here, &self.starts, &mut changes[1..]);
+        let below = self.inside(k.saturating_sub(1));
+        let above = self.inside((k + 1).min(self.dims[2] - 1));
+        let (row, end) = (self.words_a_row, outer.len());
+        // The first and the last row have a neighbour less.
+        for (words, down, up) in [(0..row, 0, row), (row..end - row, row, row), (end - row..end, row, 0)] {
+            let first = words.start;
+            let round = [
+                here.skip(first - down),
+                here.skip(first + up),
+                below.skip(first),
+                above.skip(first),
+            ];
+            outer_voxels(&changes[first..], here.skip(first), round, &mut outer[words]);
+        }
+        self.changes = changes;
     }
 
-    /// The bits of the voxels of row `j` of slice `k` that the surface goes through; none at all where there are none.
+    /// What is known of the rows of slice `k`.
+    pub fn sets(&self, k: usize) -> &[WordSets] {
+        &self.sets[self.first_row(k)..][..self.dims[1]]
+    }
+
+    fn words(&self, k: usize) -> Range<usize> {
+        let row = self.first_row(k);
+        self.words_a_row * row..self.words_a_row * (row + self.dims[1])
+    }
+
+    fn first_row(&self, k: usize) -> usize {
+        self.dims[1] * (k - self.slices.start)
+    }
+
+    /// Words in a row of voxels.
     #[inline(always)]
-    pub fn on(&self, j: usize, k: usize) -> &[u64] {
-        if self.on.is_empty() {
-            return &[];
-        }
-        let words = self.words_a_row();
-        &self.on[words * (j + self.dims[1] * (k - self.slices.start))..][..words]
+    pub fn words_a_row(&self) -> usize {
+        self.words_a_row
+    }
+
+    /// The voxels of a slice that start an x edge.
+    #[inline(always)]
+    pub fn starts(&self) -> &[u64] {
+        &self.starts
+    }
+
+    /// The voxels inside of slice `k`.
+    #[inline(always)]
+    pub fn inside(&self, k: usize) -> SliceBits<'_> {
+        let words = self.words(k);
+        SliceBits(&self.inside[words.start..words.end + 1])
+    }
+
+    /// The voxels of slice `k` that the surface goes through.
+    #[inline(always)]
+    pub fn on(&self, k: usize) -> SliceBits<'_> {
+        let words = self.words(k);
+        SliceBits(&self.on[words.start..words.end + 1])
     }
 }
 
 /// Fills `inside` with the bits of the rows of `width` voxels that `voxels` holds.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &mut [u64]) {
-    let rows = voxels
-        .chunks_exact(width)
-        .zip(inside.chunks_exact_mut(width.div_ceil(64)));
-    for (row, inside) in rows {
+    let rows = inside.chunks_exact_mut(width.div_ceil(64));
+    for (row, inside) in voxels.chunks_exact(width).zip(rows) {
         let (whole, rest) = row.as_chunks::<64>();
         for (chunk, word) in whole.iter().zip(inside.iter_mut()) {
             *word = not_below(chunk, smallest_inside);
@@ -158,20 +327,81 @@ fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &m
     }
 }
 
-/// [`classify`], and the bits of the voxels that are `iso`.
+/// [`classify`] where it is known of most words that they are all inside or all outside.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn classify_and_find<T: Voxel>(voxels: &[T], width: usize, iso: T, inside: &mut [u64], on: &mut [u64]) {
+fn classify_mixed<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &mut [u64], sets: &[WordSets]) {
     let words = width.div_ceil(64);
-    let words = inside.chunks_exact_mut(words).zip(on.chunks_exact_mut(words));
-    for (row, (inside, on)) in voxels.chunks_exact(width).zip(words) {
-        let (whole, rest) = row.as_chunks::<64>();
-        for (n, chunk) in whole.iter().enumerate() {
-            inside[n] = not_below(chunk, iso);
-            on[n] = equal(chunk, iso);
+    let shift = WordSets::shift(width);
+    for (j, sets) in sets.iter().enumerate() {
+        let inside = &mut inside[j * words..][..words];
+        for (w, word) in inside.iter_mut().enumerate().filter(|_| sets.full != 0) {
+            *word = if sets.full >> (w >> shift) & 1 == 1 {
+                existing(width, w)
+            } else {
+                0
+            };
         }
-        if let Some(last) = inside.get_mut(whole.len()) {
-            *last = not_below(rest, iso);
-            on[whole.len()] = equal(rest, iso);
+        let row = &voxels[j * width..][..width];
+        for group in SetBits(u64::from(sets.mixed)) {
+            let first = (group as usize) << shift;
+            for w in first..(first + (1 << shift)).min(words) {
+                let chunk = &row[w * 64..width.min(w * 64 + 64)];
+                inside[w] = match chunk.as_array::<64>() {
+                    Some(chunk) => not_below(chunk, smallest_inside),
+                    None => not_below(chunk, smallest_inside),
+                };
+            }
+        }
+    }
+}
+
+/// Finds the voxels of a slice that start an x edge and differ from its other end.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn x_changes(inside: SliceBits<'_>, starts: &[u64], changes: &mut [u64]) {
+    let words = changes.len();
+    let (inside, after, starts) = (&inside.0[..words], &inside.0[1..][..words], &starts[..words]);
+    for n in 0..words {
+        changes[n] = (inside[n] ^ (inside[n] >> 1 | after[n] << 63)) & starts[n];
+    }
+}
+
+/// Finds the voxels of some rows that are inside and differ from a neighbour: in x by `changes`, which starts a word before
+/// the rows, or in the rows and slices round these.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn outer_voxels(changes: &[u64], inside: SliceBits<'_>, round: [SliceBits<'_>; 4], outer: &mut [u64]) {
+    let words = outer.len();
+    let (before, changes) = (&changes[..words], &changes[1..][..words]);
+    let inside = &inside.0[..words];
+    let [a, b, c, d] = round.map(|bits| &bits.0[..words]);
+    for n in 0..words {
+        let in_x = changes[n] | changes[n] << 1 | before[n] >> 63;
+        let across = (inside[n] ^ a[n]) | (inside[n] ^ b[n]) | (inside[n] ^ c[n]) | (inside[n] ^ d[n]);
+        outer[n] = inside[n] & (in_x | across);
+    }
+}
+
+/// Clears the bits of a row's voxels that are not `iso`.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn keep_equal<T: Voxel>(row: &[T], iso: T, bits: &mut [u64]) {
+    for (w, word) in bits.iter_mut().enumerate() {
+        if *word != 0 {
+            let chunk = &row[w * 64..row.len().min(w * 64 + 64)];
+            *word &= match chunk.as_array::<64>() {
+                Some(chunk) => equal(chunk, iso),
+                None => equal(chunk, iso),
+            };
+        }
+    }
+}
+
+/// Clears the bits of the voxels of row `j` of slice `k` next to one that is not finite: the vertex on an edge to that is
+/// elsewhere.
+fn keep_with_finite_neighbours<T: Voxel>(slices: Slices<'_, T>, [j, k]: [usize; 2], bits: &mut [u64]) {
+    for (w, word) in bits.iter_mut().enumerate() {
+        for i in SetBits(*word) {
+            if !slices.has_finite_neighbours([w * 64 + i as usize, j, k]) {
+                *word &= !(1 << i);
+            }
         }
     }
 }
@@ -188,10 +418,10 @@ fn not_below<T: Voxel>(voxels: &[T], smallest_inside: T) -> u64 {
 }
 
 #[inline(always)]
-fn equal<T: Voxel>(voxels: &[T], iso: T) -> u64 {
+fn equal<T: Voxel>(voxels: &[T], value: T) -> u64 {
     let mut word = 0;
     for (n, v) in voxels.iter().enumerate() {
-        word |= u64::from(*v == iso) << n;
+        word |= u64::from(*v == value) << n;
     }
     word
 }
@@ -209,9 +439,11 @@ mod tests {
                 first_slice: 0,
                 dims: [width, 3, 1],
             };
-            let rows = InsideRows::of(slices, 0..1, 5.0, Ties::OneVertex).expect("bits");
+            let rows = InsideRows::of(&Classifier::new(slices, 5.0, Ties::OneVertex), 0..1);
+            let words = width.div_ceil(64);
             for (n, row) in voxels.chunks(width).enumerate() {
-                let bit = |i: usize| rows.row(n, 0).get(i / 64).is_some_and(|w| w >> (i % 64) & 1 == 1);
+                let bits = &rows.inside(0).0[n * words..][..words];
+                let bit = |i: usize| bits.get(i / 64).is_some_and(|w| w >> (i % 64) & 1 == 1);
                 for i in 0..width.div_ceil(64) * 64 {
                     assert_eq!(
                         bit(i),
@@ -225,9 +457,12 @@ mod tests {
 
     #[test]
     fn not_a_number_is_outside() {
-        let mut words = [[0], [0]];
-        let [inside, on] = &mut words;
-        classify_and_find(&[f64::NAN, 1.0, f64::INFINITY], 3, 1.0, inside, on);
-        assert_eq!(words, [[0b110], [0b010]]);
+        let mut inside = [0];
+        let voxels = [f64::NAN, 1.0, f64::INFINITY];
+        classify(&voxels, 3, 1.0, &mut inside);
+        assert_eq!(inside, [0b110]);
+        let mut equal = [0b111];
+        keep_equal(&voxels, 1.0, &mut equal);
+        assert_eq!(equal, [0b010]);
     }
 }

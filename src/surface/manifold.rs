@@ -5,70 +5,78 @@
 
 use glam::{DVec2, DVec3};
 
-use super::cells::{IN_CELLS, Numbering, RowCount, RowPlan, RowsRound, SetBits};
-use super::inside::InsideRows;
+use super::cells::{Numbering, OwnVertices, SetBits};
+use super::crossings::Crossings;
 use super::slices::Slices;
 use super::trilinear::triangulate;
 use super::vertices::{Level, VertexSink};
 use crate::volume::Voxel;
 
-/// Counts what each row of slice `k` makes.
-pub(super) fn count<T: Voxel>(slices: Slices<'_, T>, rows: &InsideRows, iso: f64, k: usize, counts: &mut [RowCount]) {
-    let has_layer = k + 1 < rows.slices.end;
-    for (j, count) in counts.iter_mut().enumerate() {
-        let round = RowsRound::new(rows, j, k);
-        *count = RowCount::default();
-        for w in 0..round.words() {
-            for axis in 0..3 {
-                count.vertices[axis] += round.vertices(w, axis).count_ones();
+/// The cells between slices `k` and `k + 1`.
+pub(super) struct Layer<'a, T> {
+    pub slices: Slices<'a, T>,
+    pub k: usize,
+    /// Those with a surface, row after row, one bit each.
+    pub active: &'a [u64],
+}
+
+impl<T: Voxel> Layer<'_, T> {
+    /// How many vertices there are within the cells, and how many triangles.
+    pub fn count(&self, iso: f64) -> [u64; 2] {
+        let [mut vertices, mut triangles] = [0; 2];
+        for n in 0..self.active.len() {
+            for (_, cell) in self.cells(n) {
+                let surface = triangulate(&values(self.slices, cell, iso));
+                vertices += surface.interior().len() as u64;
+                triangles += surface.triangles().len() as u64;
             }
-            if has_layer && j + 1 < rows.dims[1] {
-                for i in SetBits(round.active(w)) {
-                    let surface = triangulate(&values(slices, [w * 64 + i as usize, j, k], iso));
-                    count.vertices[IN_CELLS] += surface.interior().len() as u32;
-                    count.triangles += surface.triangles().len() as u32;
+        }
+        [vertices, triangles]
+    }
+
+    /// Writes the triangles, and the vertices within the cells.
+    pub fn connect(
+        &self,
+        crossings: [&Crossings; 2],
+        level: &Level,
+        sink: &mut VertexSink<'_>,
+        triangles: &mut [[u32; 3]],
+    ) {
+        let mut places = triangles.iter_mut();
+        let words = self.words_a_row();
+        for j in 0..self.slices.dims[1] - 1 {
+            let mut numbering = Numbering::new(crossings, j);
+            for w in 0..words {
+                let own = OwnVertices::of(crossings, j, w);
+                for (i, cell) in self.cells(j * words + w) {
+                    let values = values(self.slices, cell, level.iso());
+                    let surface = triangulate(&values);
+                    let on_edges = numbering.next_cell(&own, i);
+                    let within = sink.first + sink.written as u32;
+                    let vertex = |v: u8| match on_edges.get(usize::from(v)) {
+                        Some(vertex) => *vertex,
+                        None => within + u32::from(v - 12),
+                    };
+                    for (corners, place) in surface.triangles().iter().zip(places.by_ref()) {
+                        *place = corners.map(vertex);
+                    }
+                    for place in surface.interior() {
+                        push(sink, level, cell, &values, DVec3::from_array(*place));
+                    }
                 }
             }
         }
     }
-}
 
-/// Writes the triangles of the cells between slices `k` and `k + 1`, and the vertices within the cells.
-pub(super) fn connect<T: Voxel>(
-    slices: Slices<'_, T>,
-    rows: &InsideRows,
-    level: &Level,
-    k: usize,
-    plan: [&[RowPlan]; 2],
-    sink: &mut VertexSink<'_>,
-    triangles: &mut [[u32; 3]],
-) {
-    let mut places = triangles.iter_mut();
-    let [lower, upper] = plan;
-    for j in (0..rows.dims[1] - 1).filter(|j| lower[*j].triangles) {
-        let round = RowsRound::new(rows, j, k);
-        let mut first = [lower[j].first, lower[j + 1].first, upper[j].first, upper[j + 1].first];
-        for w in 0..round.words() {
-            let numbering = Numbering::new(&round, w);
-            for i in SetBits(round.active(w)) {
-                let cell = [w * 64 + i as usize, j, k];
-                let values = values(slices, cell, level.iso());
-                let surface = triangulate(&values);
-                let on_edges = numbering.on_edges(&first, i);
-                let within = sink.first + sink.written as u32;
-                let vertex = |v: u8| match on_edges.get(usize::from(v)) {
-                    Some(vertex) => *vertex,
-                    None => within + u32::from(v - 12),
-                };
-                for (corners, place) in surface.triangles().iter().zip(places.by_ref()) {
-                    *place = corners.map(vertex);
-                }
-                for place in surface.interior() {
-                    push(sink, level, cell, &values, DVec3::from_array(*place));
-                }
-            }
-            numbering.step_over(&mut first);
-        }
+    fn words_a_row(&self) -> usize {
+        self.slices.dims[0].div_ceil(64)
+    }
+
+    /// The cells with a surface in word `n`: by place in the word, and in the lattice.
+    fn cells(&self, n: usize) -> impl Iterator<Item = (u32, [usize; 3])> {
+        let (j, w) = (n / self.words_a_row(), n % self.words_a_row());
+        let k = self.k;
+        SetBits(self.active[n]).map(move |i| (i, [w * 64 + i as usize, j, k]))
     }
 }
 

@@ -7,6 +7,7 @@ mod cell;
 mod cells;
 mod components;
 mod connect;
+mod crossings;
 mod edges;
 mod extract;
 mod inside;

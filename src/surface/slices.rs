@@ -1,4 +1,6 @@
-//! Rows of voxels and the differences between them (LC87 §4, equations 2–4).
+//! Slices of voxels, and where the neighbours of a voxel are (LC87 §4, equations 2–4).
+
+use std::ops::Range;
 
 use crate::volume::Voxel;
 
@@ -13,6 +15,11 @@ pub(super) struct Slices<'a, T> {
 }
 
 impl<'a, T: Voxel> Slices<'a, T> {
+    /// The slices that are there.
+    pub fn held(&self) -> Range<usize> {
+        self.first_slice..self.first_slice + self.voxels.len() / (self.dims[0] * self.dims[1])
+    }
+
     /// The voxels of slice `k`.
     pub fn slice(&self, k: usize) -> &'a [T] {
         let plane = self.dims[0] * self.dims[1];
@@ -35,71 +42,44 @@ impl<'a, T: Voxel> Slices<'a, T> {
         })
     }
 
+    /// Row `j` of slice `k`.
     #[inline(always)]
-    fn row(&self, j: usize, k: usize) -> &'a [T] {
+    pub fn row(&self, j: usize, k: usize) -> &'a [T] {
         let width = self.dims[0];
         &self.voxels[width * (j + self.dims[1] * (k - self.first_slice))..][..width]
     }
 
-    /// The rows that the edges along `axis` which start in row `j` of slice `k` lead from and to. Beyond the lattice's
-    /// border, where there are no edges, and on voxels, which are no axis, it is the same row twice.
-    #[inline(always)]
-    pub fn ends(&self, axis: usize, j: usize, k: usize) -> [Stencil<'a, T>; 2] {
-        let [_, ny, nz] = self.dims;
-        let to = match axis {
-            0 => [j, k],
-            1 => [(j + 1).min(ny - 1), k],
-            2 => [j, (k + 1).min(nz - 1)],
-            _ => [j, k],
-        };
-        [self.stencil(j, k), self.stencil(to[0], to[1])]
-    }
-
-    #[inline(always)]
-    fn stencil(&self, j: usize, k: usize) -> Stencil<'a, T> {
-        let [_, ny, nz] = self.dims;
-        let (down, up) = (j.saturating_sub(1), (j + 1).min(ny - 1));
-        let (below, above) = (k.saturating_sub(1), (k + 1).min(nz - 1));
-        Stencil {
-            here: self.row(j, k),
-            y: [self.row(down, k), self.row(up, k)],
-            z: [self.row(j, below), self.row(j, above)],
-            scale: [1.0 / (up - down).max(1) as f64, 1.0 / (above - below).max(1) as f64],
-        }
+    /// The place of the first voxel of slice `k` among those held.
+    pub fn first_voxel(&self, k: usize) -> usize {
+        (k - self.first_slice) * self.dims[0] * self.dims[1]
     }
 }
 
-/// A row of voxels with its neighbours: itself again where the lattice ends.
-#[derive(Clone, Copy)]
-pub(super) struct Stencil<'a, T> {
-    here: &'a [T],
-    y: [&'a [T]; 2],
-    z: [&'a [T]; 2],
-    /// What differences in y and z are multiplied by: one over the rows or slices between the neighbours.
-    pub scale: [f64; 2],
-}
-
-/// Places in a [`Stencil::values`].
+/// Places in [`EdgeSteps`]: the voxel at an end of an edge.
 pub(super) const HERE: usize = 0;
 
-/// The lower and the upper neighbour on each axis in a [`Stencil::values`].
+/// Places in [`EdgeSteps`]: the lower and the upper neighbour of that voxel on each axis.
 pub(super) const NEIGHBOURS: [[usize; 2]; 3] = [[1, 2], [3, 4], [5, 6]];
 
-impl<T: Voxel> Stencil<'_, T> {
-    /// Voxel `i` and its neighbours, and what their difference in x is multiplied by.
-    #[inline(always)]
-    pub fn values(&self, i: usize) -> ([T; 7], f64) {
-        let last = self.here.len() - 1;
-        let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
-        let values = [
-            self.here[i],
-            self.here[before],
-            self.here[after],
-            self.y[0][i],
-            self.y[1][i],
-            self.z[0][i],
-            self.z[1][i],
-        ];
-        (values, if after - before == 2 { 0.5 } else { 1.0 })
-    }
+/// For both ends of an edge, the steps in memory from the voxel that the edge starts from to the end and its neighbours.
+pub(super) type EdgeSteps = [[isize; 7]; 2];
+
+/// The steps for edges along `axis`, or for voxels if there is no such axis, that start from row `j` of slice `k` of a lattice
+/// of `dims`. At the lattice's border an end is its own neighbour, but in x, as if that had no border.
+pub(super) fn edge_steps(dims: [usize; 3], axis: usize, [j, k]: [usize; 2]) -> EdgeSteps {
+    let strides = [1, dims[0], dims[0] * dims[1]].map(|stride| stride as isize);
+    [0, 1].map(|end| {
+        let mut steps = [0; 7];
+        let mut at = [0, j, k];
+        if end == 1 && axis < 3 {
+            at[axis] += 1;
+            steps[HERE] = strides[axis];
+        }
+        for (axis, [lower, upper]) in NEIGHBOURS.into_iter().enumerate() {
+            let (is_first, is_last) = (at[axis] == 0, at[axis] + 1 >= dims[axis]);
+            steps[lower] = steps[HERE] - if is_first && axis > 0 { 0 } else { strides[axis] };
+            steps[upper] = steps[HERE] + if is_last && axis > 0 { 0 } else { strides[axis] };
+        }
+        steps
+    })
 }

@@ -11,10 +11,10 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::cells::{KINDS, ON_VOXELS, RowPlan, RowsRound, SetBits};
+use super::cells::SetBits;
+use super::crossings::{Crossings, KINDS, ON_VOXELS};
 use super::extract::ExtractError;
-use super::inside::InsideRows;
-use super::slices::{HERE, NEIGHBOURS, Slices, Stencil};
+use super::slices::{EdgeSteps, HERE, NEIGHBOURS, Slices, edge_steps};
 use crate::volume::Voxel;
 
 /// A vertex that falls on a voxel when it is rounded, and so together with those of the voxel's other edges.
@@ -119,19 +119,21 @@ const LANES: usize = 64;
 /// A number for each edge of a batch.
 type Lanes<N> = [N; LANES];
 
-/// Edges of one slice along one axis, and what their vertices follow from; or voxels that are vertices themselves.
-struct Batch<T> {
-    kind: usize,
+/// Edges that start in one slice, and what their vertices follow from; or voxels that are vertices themselves.
+struct Batch<'a, T> {
+    slices: Slices<'a, T>,
     slice: usize,
+    /// The place of the slice's first voxel.
+    first_voxel: usize,
     len: usize,
+    /// Whether an edge leads along x, y or z, or it is a voxel.
+    kind: Lanes<u32>,
     /// The voxels that the edges start from, by index in x and y.
-    index: [Lanes<f64>; 2],
-    /// The voxels at both ends and their neighbours, as [`Stencil::values`] has them.
+    index: [Lanes<u32>; 2],
+    /// The voxels at both ends and their neighbours.
     values: [[Lanes<T>; 7]; 2],
-    /// What differences in x are multiplied by at both ends.
-    x_scale: [Lanes<f64>; 2],
-    /// The same for y and z, where it is one for all edges.
-    yz_scale: [[f64; 2]; 2],
+    /// Where they are for each kind of edge, but for borders in x.
+    steps: [EdgeSteps; KINDS],
 }
 
 /// The vertices of a batch: where they are in the lattice along their edges, and in the world.
@@ -141,34 +143,144 @@ struct Vertices {
     normals: [Lanes<f32>; 3],
 }
 
-impl<T: Voxel> Batch<T> {
-    fn new(kind: usize, slice: usize) -> Self {
+impl<'a, T: Voxel> Batch<'a, T> {
+    fn new(slices: Slices<'a, T>, slice: usize) -> Self {
         Self {
-            kind,
+            slices,
             slice,
             len: 0,
-            index: [[0.0; LANES]; 2],
+            first_voxel: slices.first_voxel(slice),
+            kind: [0; LANES],
+            index: [[0; LANES]; 2],
             values: [[[T::zeroed(); LANES]; 7]; 2],
-            x_scale: [[0.0; LANES]; 2],
-            yz_scale: [[0.0; 2]; 2],
+            steps: [[[0; 7]; 2]; KINDS],
         }
     }
 
-    /// Adds the edge from voxel `i` of row `j`, which is `ends[0]`.
+    /// Makes ready for edges from row `j`; the batch is empty.
+    fn start_row(&mut self, j: usize) {
+        self.steps = [0, 1, 2, 3].map(|kind| edge_steps(self.slices.dims, kind, [j, self.slice]));
+    }
+
+    /// Adds the edge of a kind from voxel `i` of row `j`.
     #[inline(always)]
-    fn push(&mut self, ends: &[Stencil<'_, T>; 2], [i, j]: [usize; 2]) {
-        let n = self.len;
-        self.index[0][n] = i as f64;
-        self.index[1][n] = j as f64;
-        let at = [i, i + usize::from(self.kind == 0)];
-        for end in 0..2 {
-            let (values, x_scale) = ends[end].values(at[end]);
-            for (lanes, value) in self.values[end].iter_mut().zip(values) {
-                lanes[n] = value;
-            }
-            self.x_scale[end][n] = x_scale;
+    fn push<const KIND: usize>(&mut self, [i, j]: [usize; 2]) {
+        let n = self.len % LANES;
+        self.kind[n] = KIND as u32;
+        self.index[0][n] = i as u32;
+        self.index[1][n] = j as u32;
+        let width = self.slices.dims[0];
+        let from = self.first_voxel + j * width + i;
+        let end = i + usize::from(KIND == 0);
+        let values = if i == 0 || end + 1 == width {
+            self.values_at_border(KIND, from, [i == 0, end + 1 == width])
+        } else if KIND == 0 {
+            self.values_along_x(from)
+        } else {
+            self.values_across_x(KIND, from)
+        };
+        for (lanes, value) in self.values.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
+            lanes[n] = *value;
         }
         self.len += 1;
+    }
+
+    /// Adds the edges of a kind from the voxels of row `j` whose bits are set, and writes the vertices of full batches.
+    #[inline(always)]
+    fn push_row<const KIND: usize>(
+        &mut self,
+        row: &[u64],
+        j: usize,
+        level: &Level,
+        vertices: &mut Vertices,
+        sink: &mut VertexSink<'_>,
+    ) {
+        for (w, word) in row.iter().enumerate() {
+            for i in SetBits(*word) {
+                self.push::<KIND>([w * 64 + i as usize, j]);
+                if self.len == LANES {
+                    self.flush(level, vertices, sink);
+                }
+            }
+        }
+    }
+
+    /// `N` voxels in a row, the first of them by a step from another.
+    #[inline(always)]
+    fn voxels<const N: usize>(&self, from: usize, step: isize) -> [T; N] {
+        let start = from.wrapping_add_signed(step);
+        std::array::from_fn(|n| self.slices.voxels[start..start + N][n])
+    }
+
+    /// The voxels at the ends of an x edge, and round them.
+    #[inline(always)]
+    fn values_along_x(&self, from: usize) -> [[T; 7]; 2] {
+        let steps = &self.steps[0][0];
+        let [before, a, b, after] = self.voxels(from, -1);
+        let [below_y, above_y, below_z, above_z]: [[T; 2]; 4] = [
+            self.voxels(from, steps[3]),
+            self.voxels(from, steps[4]),
+            self.voxels(from, steps[5]),
+            self.voxels(from, steps[6]),
+        ];
+        [
+            [a, before, b, below_y[0], above_y[0], below_z[0], above_z[0]],
+            [b, a, after, below_y[1], above_y[1], below_z[1], above_z[1]],
+        ]
+    }
+
+    /// The same for an edge that is not along x, or a voxel.
+    #[inline(always)]
+    fn values_across_x(&self, kind: usize, from: usize) -> [[T; 7]; 2] {
+        let end = |steps: &[isize; 7]| {
+            let [before, here, after] = self.voxels(from, steps[HERE] - 1);
+            let [[a], [b], [c], [d]] = [
+                self.voxels(from, steps[3]),
+                self.voxels(from, steps[4]),
+                self.voxels(from, steps[5]),
+                self.voxels(from, steps[6]),
+            ];
+            [here, before, after, a, b, c, d]
+        };
+        [end(&self.steps[kind][0]), end(&self.steps[kind][1])]
+    }
+
+    /// The same for an edge of any kind, of which the lower end is the first of its row or the upper the last.
+    #[cold]
+    fn values_at_border(&self, kind: usize, from: usize, [is_first, is_last]: [bool; 2]) -> [[T; 7]; 2] {
+        let mut steps = self.steps[kind];
+        let [lower, upper] = NEIGHBOURS[0];
+        let ends = if kind == 0 { [0..1, 1..2] } else { [0..2, 0..2] };
+        for end in ends[0].clone().filter(|_| is_first) {
+            steps[end][lower] = steps[end][HERE];
+        }
+        for end in ends[1].clone().filter(|_| is_last) {
+            steps[end][upper] = steps[end][HERE];
+        }
+        steps.map(|steps| steps.map(|step| self.slices.voxels[from.wrapping_add_signed(step)]))
+    }
+
+    /// What the two ends of the edge in lane `n` differ by in x, y and z; nothing for a voxel.
+    #[inline(always)]
+    fn step(&self, n: usize) -> [f64; 3] {
+        let along = |axis: u32| if self.kind[n] == axis { 1.0 } else { 0.0 };
+        [along(0), along(1), along(2)]
+    }
+
+    /// What differences along `axis` are multiplied by at lane `n` of an end: one over the voxels between the neighbours.
+    #[inline(always)]
+    fn scale(&self, end: usize, axis: usize, n: usize) -> f64 {
+        let from = if axis == 2 {
+            self.slice as u32
+        } else {
+            self.index[axis][n]
+        };
+        let at = from + u32::from(end == 1 && self.kind[n] == axis as u32);
+        if at > 0 && at + 1 < self.slices.dims[axis] as u32 {
+            0.5
+        } else {
+            1.0
+        }
     }
 
     /// The value at lane `n` of an end.
@@ -182,12 +294,7 @@ impl<T: Voxel> Batch<T> {
     fn gradient(&self, end: usize, a: usize, n: usize) -> f64 {
         let [lower, upper] = NEIGHBOURS[a];
         let values = &self.values[end];
-        let scale = if a == 0 {
-            self.x_scale[end][n]
-        } else {
-            self.yz_scale[end][a - 1]
-        };
-        scale * (values[upper][n].to_f64() - values[lower][n].to_f64())
+        self.scale(end, a, n) * (values[upper][n].to_f64() - values[lower][n].to_f64())
     }
 
     /// The vertices; lanes beyond `len` hold nothing of use.
@@ -196,27 +303,21 @@ impl<T: Voxel> Batch<T> {
         let world = level.world_from_index.matrix3.to_cols_array_2d();
         let origin = level.world_from_index.translation.to_array();
         let turn = level.normal_from_gradient.to_cols_array_2d();
-        let mut direction = [0.0; KINDS];
-        direction[self.kind] = 1.0;
         let first = -(level.margin as f64);
         let k = first + self.slice as f64;
         for n in 0..LANES {
             let (lower, upper) = (self.value(0, n), self.value(1, n));
-            let t = if self.kind == ON_VOXELS {
-                0.0
-            } else {
+            let [dx, dy, dz] = self.step(n);
+            let t = if self.kind[n] < ON_VOXELS as u32 {
                 (level.iso - lower) / (upper - lower)
-            };
-            let x = (first + self.index[0][n] + t * direction[0]) as f32;
-            let y = (first + self.index[1][n] + t * direction[1]) as f32;
-            let z = (k + t * direction[2]) as f32;
-            out.along[n] = if self.kind == 0 {
-                x
-            } else if self.kind == 1 {
-                y
             } else {
-                z
+                0.0
             };
+            let (i, j) = (first + f64::from(self.index[0][n]), first + f64::from(self.index[1][n]));
+            out.along[n] = (i * dx + j * dy + k * dz + t) as f32;
+            let x = (i + t * dx) as f32;
+            let y = (j + t * dy) as f32;
+            let z = (k + t * dz) as f32;
             let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
             // Terms are added in the order in which VTK adds them.
             for a in 0..3 {
@@ -241,9 +342,9 @@ impl<T: Voxel> Batch<T> {
         }
     }
 
-    /// Writes the vertices, notes those of them that fall on voxels of a lattice of `dims` or nowhere, and empties the batch.
+    /// Writes the vertices, notes those of them that fall on voxels or nowhere, and empties the batch.
     #[inline(always)]
-    fn flush(&mut self, level: &Level, dims: [usize; 3], vertices: &mut Vertices, sink: &mut VertexSink<'_>) {
+    fn flush(&mut self, level: &Level, vertices: &mut Vertices, sink: &mut VertexSink<'_>) {
         self.vertices(level, vertices);
         let places = sink.written..sink.written + self.len;
         let positions = sink.positions[places.clone()].iter_mut();
@@ -255,90 +356,81 @@ impl<T: Voxel> Batch<T> {
             ];
             *normal = [vertices.normals[0][n], vertices.normals[1][n], vertices.normals[2][n]];
         }
-        if self.kind != ON_VOXELS && self.any_off_edge(level, vertices) {
-            self.note_off_edge(level, vertices, dims, sink);
+        if self.any_off_edge(level, vertices) {
+            self.note_off_edge(level, vertices, sink);
         }
         sink.written += self.len;
         self.len = 0;
     }
 }
 
-impl<T: Voxel> Batch<T> {
+impl<T: Voxel> Batch<'_, T> {
     /// Whether any lane's vertex, of use or not, is at an end of its edge or nowhere.
     #[inline(always)]
     fn any_off_edge(&self, level: &Level, vertices: &Vertices) -> bool {
         let first = -(level.margin as f64);
+        let k = first + self.slice as f64;
         let mut off = false;
         for n in 0..LANES {
-            let index = if self.kind == 2 {
-                self.slice as f64
-            } else {
-                self.index[self.kind & 1][n]
-            };
-            let lower = (first + index) as f32;
+            let [dx, dy, dz] = self.step(n);
+            let (i, j) = (first + f64::from(self.index[0][n]), first + f64::from(self.index[1][n]));
+            let lower = (i * dx + j * dy + k * dz) as f32;
             let along = vertices.along[n];
-            off |= !(along > lower && along < lower + 1.0);
+            off |= self.kind[n] < ON_VOXELS as u32 && !(along > lower && along < lower + 1.0);
         }
         off
     }
 
     /// Notes the vertices at ends of edges, and those nowhere.
-    fn note_off_edge(&self, level: &Level, vertices: &Vertices, dims: [usize; 3], sink: &mut VertexSink<'_>) {
+    fn note_off_edge(&self, level: &Level, vertices: &Vertices, sink: &mut VertexSink<'_>) {
         for n in 0..self.len {
+            let axis = self.kind[n] as usize;
+            if axis == ON_VOXELS {
+                continue;
+            }
             let voxel = [self.index[0][n] as usize, self.index[1][n] as usize, self.slice];
-            let (along, lower) = (vertices.along[n], level.index(voxel)[self.kind] as f32);
+            let (along, lower) = (vertices.along[n], level.index(voxel)[axis] as f32);
             let vertex = sink.first + (sink.written + n) as u32;
             if along.is_nan() {
-                sink.loose.push(Loose {
-                    voxel,
-                    axis: self.kind,
-                    vertex,
-                });
+                sink.loose.push(Loose { voxel, axis, vertex });
             } else if along == lower || along == lower + 1.0 {
                 let mut on = voxel;
-                on[self.kind] += usize::from(along != lower);
-                sink.hits.push(Hit::new(on, dims, vertex));
+                on[axis] += usize::from(along != lower);
+                sink.hits.push(Hit::new(on, self.slices.dims, vertex));
             }
         }
     }
 }
 
-/// Adds the vertices of `kind` that start in slice `k`, whose rows `plan` is for.
+/// Adds the vertices that start in slice `k`, in the order of their numbers.
 #[multiversion::multiversion(targets(
     "x86_64+avx512f+avx512bw+avx512dq+avx512vl+popcnt+bmi1+bmi2",
     "x86_64+avx2+popcnt+bmi1+bmi2"
 ))]
 pub(super) fn interpolate<T: Voxel>(
     slices: Slices<'_, T>,
-    rows: &InsideRows,
-    plan: &[RowPlan],
+    crossings: &Crossings,
+    k: usize,
     level: &Level,
-    [kind, k]: [usize; 2],
     sink: &mut VertexSink<'_>,
 ) {
-    let dims = slices.dims;
-    let mut batch = Batch::new(kind, k);
+    let mut batch = Batch::new(slices, k);
     let mut vertices = Vertices {
         along: [0.0; LANES],
         positions: [[0.0; LANES]; 3],
         normals: [[0.0; LANES]; 3],
     };
-    for j in (0..dims[1]).filter(|j| plan[*j].any[kind]) {
-        let round = RowsRound::new(rows, j, k);
-        let ends = slices.ends(kind, j, k);
-        let yz_scale = [ends[0].scale, ends[1].scale];
-        if batch.yz_scale != yz_scale {
-            batch.flush(level, dims, &mut vertices, sink);
-            batch.yz_scale = yz_scale;
+    let rows = slices.dims[1];
+    for j in 0..rows {
+        // In y, rows from the second on have both neighbours, up to those next to the last.
+        if j < 2 || j + 2 >= rows {
+            batch.flush(level, &mut vertices, sink);
+            batch.start_row(j);
         }
-        for w in 0..round.words() {
-            for i in SetBits(round.vertices(w, kind)) {
-                batch.push(&ends, [w * 64 + i as usize, j]);
-                if batch.len == LANES {
-                    batch.flush(level, dims, &mut vertices, sink);
-                }
-            }
-        }
+        batch.push_row::<0>(crossings.row(0, j), j, level, &mut vertices, sink);
+        batch.push_row::<1>(crossings.row(1, j), j, level, &mut vertices, sink);
+        batch.push_row::<2>(crossings.row(2, j), j, level, &mut vertices, sink);
+        batch.push_row::<ON_VOXELS>(crossings.row(ON_VOXELS, j), j, level, &mut vertices, sink);
     }
-    batch.flush(level, dims, &mut vertices, sink);
+    batch.flush(level, &mut vertices, sink);
 }

@@ -9,8 +9,9 @@ use super::table::{Relations, Side, Work};
 use super::{Border, CAP, FIRST_FACE, Group, Pieces, Point, SURFACE, Task};
 use crate::math::affine;
 use crate::surface::cases::CASES;
-use crate::surface::cells::{CellWord, KINDS, Numbering, RowPlan, RowsRound, SetBits, corners, is_whole};
-use crate::surface::inside::{InsideRows, Ties};
+use crate::surface::cells::{CellWord, Numbering, OwnVertices, SetBits, corners, is_whole};
+use crate::surface::crossings::Crossings;
+use crate::surface::inside::{Classifier, InsideRows, Ties};
 use crate::surface::slices::Slices;
 
 /// What the cells between slices `k` and `k + 1` make.
@@ -25,8 +26,9 @@ pub(super) fn march(task: &Task<'_>, k: usize) -> Pieces {
         first_slice: 0,
         dims,
     };
-    let cutter = InsideRows::of(slices, 0..2, 0.0, Ties::Apart).unwrap_or_else(|| InsideRows::outside(dims, 0..2));
-    let plan = [k, k + 1].map(|k| task.surface.rows(&task.rows, k));
+    let cutter = InsideRows::of(&Classifier::new(slices, 0.0, Ties::Apart), 0..2);
+    let rows = task.rows_round(k);
+    let crossings = [k, k + 1].map(|k| task.surface.crossings(&rows, k));
     let mut layer = Layer {
         task,
         k,
@@ -34,7 +36,7 @@ pub(super) fn march(task: &Task<'_>, k: usize) -> Pieces {
         pieces: Pieces::default(),
     };
     for j in 0..ny - 1 {
-        layer.march_row(&cutter, &plan, j);
+        layer.march_row([&rows, &cutter], crossings.each_ref(), j);
     }
     layer.pieces.points.sort_by_key(|(vertex, _)| *vertex);
     layer.pieces.points.dedup_by_key(|(vertex, _)| *vertex);
@@ -53,44 +55,44 @@ struct Layer<'a> {
 /// 64 cells of a row, and the scan's vertices round them.
 struct Block<'a> {
     word: &'a CellWord,
+    own: &'a OwnVertices,
     numbering: &'a Numbering,
-    first: &'a [[u32; KINDS]; 4],
     /// The index of the first cell.
     at: [usize; 3],
 }
 
 impl Layer<'_> {
-    fn march_row(&mut self, cutter: &InsideRows, [lower, upper]: &[Vec<RowPlan>; 2], j: usize) {
-        let Task { rows, operation, .. } = self.task;
-        let scan_rows = RowsRound::new(rows, j, self.k);
-        let cutter_rows = RowsRound::new(cutter, j, 0);
-        let mut first = [&lower[j], &lower[j + 1], &upper[j], &upper[j + 1]].map(|row| row.first);
-        for w in 0..scan_rows.words() {
-            let (word, cutter) = (scan_rows.word(w), cutter_rows.word(w));
-            let numbering = Numbering::of(&word);
+    /// Row `j` of the layer, of which there are the scan's and the cutter's bits, and the scan's vertices.
+    fn march_row(&mut self, [rows, cutter]: [&InsideRows; 2], crossings: [&Crossings; 2], j: usize) {
+        let operation = self.task.operation;
+        let mut numbering = Numbering::new(crossings, j);
+        for w in 0..rows.words_a_row() {
+            let word = CellWord::new(rows, [w, j, self.k]);
+            let cutter = CellWord::new(cutter, [w, j, 0]);
+            let own = OwnVertices::of(crossings, j, w);
             let block = Block {
                 word: &word,
+                own: &own,
                 numbering: &numbering,
-                first: &first,
                 at: [64 * w, j, self.k],
             };
             let relations = |word: &CellWord| Relations::new(word.inside.any(), word.inside.all(), word.cells);
-            let work = Work::new(*operation, relations(&word), relations(&cutter));
+            let work = Work::new(operation, relations(&word), relations(&cutter));
             SetBits(work.surface).for_each(|i| self.add_surface(&block, i));
             SetBits(work.cutter).for_each(|i| self.add_cutter(&block, i));
             SetBits(work.both).for_each(|i| self.add_both(&block, i));
             SetBits(self.at_border(j, w) & word.cells).for_each(|i| self.add_border(&block, i));
-            numbering.step_over(&mut first);
+            numbering.step_over(&own);
         }
     }
 
     /// Whole triangles of the scan's surface.
     fn add_surface(&mut self, block: &Block<'_>, i: u32) {
         let case = &CASES[block.word.inside.of_cell(i)];
-        let mut vertices = block.numbering.on_edges(block.first, i);
+        let mut vertices = block.numbering.on_edges(block.own, i);
         block
             .numbering
-            .move_to_corners(block.first, i, block.word.on.of_cell(i), &mut vertices);
+            .move_to_corners(block.own, i, block.word.on.of_cell(i), &mut vertices);
         let triangles = case.triangles[..usize::from(case.count)].iter();
         let triangles = triangles.map(|edges| corners(edges, &vertices));
         self.pieces.surface.extend(triangles.filter(|t| is_whole(*t)));
@@ -211,11 +213,11 @@ impl Layer<'_> {
             inside: block.word.inside.of_cell(i),
             on: block.word.on.of_cell(i),
         };
-        let on_edges = block.numbering.on_edges(block.first, i);
+        let on_edges = block.numbering.on_edges(block.own, i);
         Cell::new(&corners, |n| {
             let number = match on_edges.get(n) {
                 Some(number) => *number,
-                None => block.numbering.on_corner(block.first, i, n as u32 - 12),
+                None => block.numbering.on_corner(block.own, i, n as u32 - 12),
             };
             let as_double = |v: [f32; 3]| Vec3::from(v).as_dvec3();
             SurfaceVertex {

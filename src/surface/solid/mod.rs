@@ -26,11 +26,11 @@ use rayon::prelude::*;
 
 use super::assemble::Assembly;
 use super::extract::{ExtractError, Topology};
-use super::inside::{InsideRows, Ties};
+use super::inside::{Classifier, InsideRows, Ties};
 use super::mesh::Mesh;
 use super::slices::Slices;
 use super::vertices::Level;
-use crate::volume::{Grid, Voxels, for_type};
+use crate::volume::{Grid, Voxel, Voxels, for_type};
 use cell::Vertex;
 pub use cutter::Cutter;
 use cutter::Sampler;
@@ -103,7 +103,9 @@ pub fn combine(
     if grid.dims().iter().any(|n| *n < 2) {
         return Ok(Mesh::default());
     }
-    let rows = extract(grid, iso, &mut surface)?;
+    for_type!(Voxels, grid.voxels(), voxels => {
+        surface.add(&classifier(voxels, grid.dims(), iso), 0..grid.dims()[2])
+    })?;
     let task = Task {
         grid,
         iso,
@@ -111,24 +113,19 @@ pub fn combine(
         cutter: cutter.on(grid.world_from_index()),
         border: options.border,
         surface,
-        rows,
     };
     let layers = (0..grid.dims()[2] - 1).into_par_iter();
     let pieces = layers.map(|k| layer::march(&task, k)).collect();
     join::join(&task, pieces, options.creases)
 }
 
-/// Extracts the scan's surface, all but the welding, and returns its voxels' bits.
-fn extract(grid: &Grid, iso: f64, surface: &mut Assembly) -> Result<InsideRows, ExtractError> {
-    let dims = grid.dims();
-    let held = 0..dims[2];
-    for_type!(Voxels, grid.voxels(), voxels => {
-        let slices = Slices { voxels, first_slice: 0, dims };
-        let rows = InsideRows::of(slices, held.clone(), iso, Ties::OneVertex);
-        let rows = rows.unwrap_or_else(|| InsideRows::outside(dims, held.clone()));
-        surface.add(slices, &rows, held)?;
-        Ok(rows)
-    })
+fn classifier<T: Voxel>(voxels: &[T], dims: [usize; 3], iso: f64) -> Classifier<'_, T> {
+    let slices = Slices {
+        voxels,
+        first_slice: 0,
+        dims,
+    };
+    Classifier::new(slices, iso, Ties::OneVertex)
 }
 
 /// All that a layer of cells is made from.
@@ -140,8 +137,17 @@ struct Task<'a> {
     border: Border,
     /// The scan's surface, in which vertices are still numbered by the edges they lie on.
     surface: Assembly,
-    /// The voxels inside it.
-    rows: InsideRows,
+}
+
+impl Task<'_> {
+    /// The bits of the scan's voxels in slices `k` and `k + 1`, and in those round them.
+    fn rows_round(&self, k: usize) -> InsideRows {
+        let dims = self.grid.dims();
+        let held = k.saturating_sub(1)..(k + 4).min(dims[2]);
+        for_type!(Voxels, self.grid.voxels(), voxels => {
+            InsideRows::of(&classifier(voxels, dims, self.iso), held)
+        })
+    }
 }
 
 /// What triangles belong to: 0 is the scan's surface, 1 the cap, and the rest are the faces of the lattice's border.
