@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::cells;
+use super::cells::{self, Cells};
 use super::crossings::Crossings;
 use super::extract::{ExtractError, Topology};
 use super::inside::{Classifier, InsideRows, Known, WordSets};
@@ -98,23 +98,23 @@ impl Assembly {
         runs.enumerate().for_each(|(n, (sets, counts))| {
             let first = layers.start + n * length;
             let mut crossings = Crossings::new(classifier.slices.dims);
-            let mut active = Vec::new();
+            let mut cells = Cells::default();
             walk(classifier, first..first + counts.len(), Known::default(), |rows, k| {
                 sets[ny * (k - first)..][..ny].copy_from_slice(rows.sets(k));
                 crossings.find(rows, k);
                 let count = &mut counts[k - first];
                 count[0] = crossings.count();
                 if rows.slices.contains(&(k + 1)) {
-                    cells::find_active(rows, k, &mut active);
+                    cells.find(rows, k);
                     match topology {
-                        Topology::Vtk => count[1] = cells::count(rows, k, &active),
+                        Topology::Vtk => count[1] = cells::count(rows, k, &cells),
                         Topology::Trilinear => {
-                            let cells = manifold::Layer {
+                            let layer = manifold::Layer {
                                 slices: classifier.slices,
                                 k,
-                                active: &active,
+                                active: &cells.active,
                             };
-                            let within = cells.count(iso);
+                            let within = layer.count(iso);
                             count[0] += within[0];
                             count[1] = within[1];
                         }
@@ -248,7 +248,7 @@ impl<T: Voxel> Filler<'_, T> {
     fn fill(&self, run: Range<usize>, mut room: Room<'_>) -> Vec<Done> {
         let slices = self.classifier.slices;
         let [mut lower, mut upper] = [Crossings::new(slices.dims), Crossings::new(slices.dims)];
-        let mut active = Vec::new();
+        let mut cells = Cells::default();
         let mut done = Vec::with_capacity(run.len());
         walk(self.classifier, run.clone(), self.known, |rows, k| {
             if k == run.start {
@@ -266,17 +266,17 @@ impl<T: Voxel> Filler<'_, T> {
             interpolate(slices, &lower, k, &self.level, &mut sink);
             if k + 1 < slices.dims[2] {
                 self.find(rows, k + 1, &mut upper);
-                cells::find_active(rows, k, &mut active);
+                cells.find(rows, k);
                 let crossings = [&lower, &upper];
                 match self.topology {
-                    Topology::Vtk => cells::connect(rows, k, crossings, &active, room.triangles),
+                    Topology::Vtk => cells::connect(rows, k, crossings, &cells, room.triangles),
                     Topology::Trilinear => {
-                        let cells = manifold::Layer {
+                        let layer = manifold::Layer {
                             slices,
                             k,
-                            active: &active,
+                            active: &cells.active,
                         };
-                        cells.connect(crossings, &self.level, &mut sink, room.triangles);
+                        layer.connect(crossings, &self.level, &mut sink, room.triangles);
                     }
                 }
                 std::mem::swap(&mut lower, &mut upper);

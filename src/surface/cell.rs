@@ -42,17 +42,6 @@ pub(super) const fn edge_corners(edge: u8) -> [u8; 2] {
     [lower, lower | 1 << axis]
 }
 
-/// The x, y and z edge at each corner.
-pub(super) const CORNER_EDGES: [[u8; 3]; 8] = {
-    let mut edges = [[0; 3]; 8];
-    let mut c = 0;
-    while c < 8 {
-        edges[c as usize] = [edge_between(c, c ^ 1), edge_between(c, c ^ 2), edge_between(c, c ^ 4)];
-        c += 1;
-    }
-    edges
-};
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,16 +4,57 @@
 //! corners became one is left out, as vtkMarchingCubes does.
 
 use super::cases::{CASES, Case, MAX_TRIANGLES};
-use super::cell::{CORNER_EDGES, edge_corners};
+use super::cell::edge_corners;
 use super::crossings::{Crossings, ON_VOXELS};
 use super::inside::{InsideRows, SliceBits};
 
-/// One bit for each cell between slices `k` and `k + 1` that has corners both inside and outside, row after row as of voxels.
-pub(super) fn find_active(rows: &InsideRows, k: usize, active: &mut Vec<u64>) {
-    let row = rows.words_a_row();
-    active.resize(row * (rows.dims[1] - 1), 0);
-    let [lower, upper] = [rows.inside(k), rows.inside(k + 1)];
-    find_mixed([lower, lower.skip(row), upper, upper.skip(row)], rows.starts(), active);
+/// The cells between two slices, one bit each, row after row as of voxels.
+#[derive(Default)]
+pub(super) struct Cells {
+    /// Those with corners both inside and outside.
+    pub active: Vec<u64>,
+    /// Those with a corner that the surface goes through.
+    through: Vec<u64>,
+    /// Whether there may be any.
+    has_through: bool,
+}
+
+impl Cells {
+    /// Finds those between slices `k` and `k + 1`.
+    pub fn find(&mut self, rows: &InsideRows, k: usize) {
+        let row = rows.words_a_row();
+        let words = row * (rows.dims[1] - 1);
+        let round = |[lower, upper]: [SliceBits<'_>; 2],
+                     find: fn([SliceBits<'_>; 4], &[u64], &mut [u64]),
+                     out: &mut Vec<u64>| {
+            out.resize(words, 0);
+            find([lower, lower.skip(row), upper, upper.skip(row)], rows.starts(), out);
+        };
+        round([rows.inside(k), rows.inside(k + 1)], find_mixed, &mut self.active);
+        self.has_through = rows.has_on(k) || rows.has_on(k + 1);
+        if self.has_through {
+            round([rows.on(k), rows.on(k + 1)], find_any, &mut self.through);
+        }
+    }
+
+    /// The cells of word `n` that have a corner both inside and outside, and those the surface goes through a corner of.
+    #[inline(always)]
+    fn word(&self, n: usize) -> [u64; 2] {
+        [self.active[n], if self.has_through { self.through[n] } else { 0 }]
+    }
+}
+
+/// The cells with any corner, of the four rows of voxels round each row of them.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn find_any(rows: [SliceBits<'_>; 4], starts: &[u64], out: &mut [u64]) {
+    let words = out.len();
+    let [a, b, c, d] = rows.map(|bits| &bits.0[..words]);
+    let [a1, b1, c1, d1] = rows.map(|bits| &bits.0[1..][..words]);
+    let starts = &starts[..words];
+    for n in 0..words {
+        let (any, any_after) = (a[n] | b[n] | c[n] | d[n], a1[n] | b1[n] | c1[n] | d1[n]);
+        out[n] = (any | any >> 1 | any_after << 63) & starts[n];
+    }
 }
 
 /// The cells with corners both inside and outside, of the four rows of voxels round each row of them.
@@ -43,12 +84,10 @@ impl CellWord {
     /// Word `w` of row `j` between slices `k` and `k + 1`.
     #[inline(always)]
     pub fn new(rows: &InsideRows, [w, j, k]: [usize; 3]) -> Self {
-        let row = rows.words_a_row();
-        let first = j * row + w;
         Self {
-            inside: Corners::new([rows.inside(k), rows.inside(k + 1)], [first, first + row]),
-            on: Corners::new([rows.on(k), rows.on(k + 1)], [first, first + row]),
-            cells: rows.starts()[first],
+            inside: Corners::inside(rows, [w, j, k]),
+            on: Corners::on(rows, [w, j, k]),
+            cells: rows.starts()[j * rows.words_a_row() + w],
         }
     }
 }
@@ -60,7 +99,21 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Of the words `row[0]` and `row[1]` of two slices. Their last cell may have corners of the next row, if it is none.
+    /// The corners that are inside, of word `w` of row `j` between slices `k` and `k + 1`.
+    #[inline(always)]
+    fn inside(rows: &InsideRows, [w, j, k]: [usize; 3]) -> Self {
+        let (row, first) = (rows.words_a_row(), j * rows.words_a_row() + w);
+        Self::new([rows.inside(k), rows.inside(k + 1)], [first, first + row])
+    }
+
+    /// The corners that the surface goes through.
+    #[inline(always)]
+    fn on(rows: &InsideRows, [w, j, k]: [usize; 3]) -> Self {
+        let (row, first) = (rows.words_a_row(), j * rows.words_a_row() + w);
+        Self::new([rows.on(k), rows.on(k + 1)], [first, first + row])
+    }
+
+    /// Of the words `row` and `next_row` of two slices. Their last cell may have corners of the next row, if it is none.
     #[inline(always)]
     fn new([lower, upper]: [SliceBits<'_>; 2], [row, next_row]: [usize; 2]) -> Self {
         let (mut here, mut next) = ([0; 4], [0; 4]);
@@ -119,24 +172,26 @@ impl Iterator for SetBits {
     }
 }
 
-/// How many triangles the `active` cells between slices `k` and `k + 1` have.
+/// How many triangles the `cells` between slices `k` and `k + 1` have.
 #[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
-pub(super) fn count(rows: &InsideRows, k: usize, active: &[u64]) -> u64 {
+pub(super) fn count(rows: &InsideRows, k: usize, cells: &Cells) -> u64 {
     let words_a_row = rows.words_a_row();
     let mut count = 0;
     for j in 0..rows.dims[1] - 1 {
         for w in 0..words_a_row {
-            let active = active[j * words_a_row + w];
+            let [active, through] = cells.word(j * words_a_row + w);
             if active == 0 {
                 continue;
             }
-            let word = CellWord::new(rows, [w, j, k]);
-            let through = word.on.any();
+            let inside = Corners::inside(rows, [w, j, k]);
             for i in SetBits(active & !through) {
-                count += u64::from(CASES[word.inside.of_cell(i)].count);
+                count += u64::from(CASES[inside.of_cell(i)].count);
             }
-            for i in SetBits(active & through) {
-                count += u64::from(count_through(&CASES[word.inside.of_cell(i)], word.on.of_cell(i)));
+            if active & through != 0 {
+                let on = Corners::on(rows, [w, j, k]);
+                for i in SetBits(active & through) {
+                    count += u64::from(count_through(&CASES[inside.of_cell(i)], on.of_cell(i)));
+                }
             }
         }
     }
@@ -146,28 +201,49 @@ pub(super) fn count(rows: &InsideRows, k: usize, active: &[u64]) -> u64 {
 /// How many triangles a case makes where the surface goes through the corners `on`.
 #[inline(always)]
 fn count_through(case: &Case, on: usize) -> u32 {
-    let mut vertices = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
-    for corner in SetBits(on as u64) {
-        for e in CORNER_EDGES[corner as usize] {
-            vertices[usize::from(e)] = 12 + corner;
-        }
-    }
     let mut count = 0;
-    for edges in &case.triangles[..usize::from(case.count)] {
-        count += u32::from(is_whole(corners(edges, &vertices)));
+    // Those beyond the case's own are of one edge.
+    for edges in &case.triangles {
+        count += u32::from(is_whole(places(edges, on)));
     }
     count
 }
 
-/// The vertices of a triangle whose vertices lie on `edges`.
+/// The places round a cell where vertices can be: its twelve edges, then its eight corners, and no others.
+const PLACES: usize = 32;
+
+/// The place of the vertex on each edge, where the surface goes through the corners that the index has bits for.
+static PLACE_OF_EDGE: [[u8; 16]; 256] = {
+    let mut places = [[0; 16]; 256];
+    let mut n = 0;
+    while n < 256 * 12 {
+        let (on, edge) = (n / 12, n % 12);
+        let [a, b] = edge_corners(edge as u8);
+        places[on][edge] = if on >> a & 1 == 1 {
+            12 + a
+        } else if on >> b & 1 == 1 {
+            12 + b
+        } else {
+            edge as u8
+        };
+        n += 1;
+    }
+    places
+};
+
+/// The places of a triangle's vertices that lie on `edges`, where the surface goes through the corners `on`.
 #[inline(always)]
-pub(super) fn corners(edges: &[u8; 3], vertices: &[u32; 12]) -> [u32; 3] {
-    let [a, b, c] = *edges;
-    [
-        vertices[usize::from(a)],
-        vertices[usize::from(b)],
-        vertices[usize::from(c)],
-    ]
+fn places(edges: &[u8; 3], on: usize) -> [u8; 3] {
+    let places = &PLACE_OF_EDGE[on % 256];
+    edges.map(|e| places[usize::from(e) % 16])
+}
+
+/// The triangles of a case, by place, where the surface goes through the corners `on`.
+pub(super) fn triangles_through(case: &Case, on: usize) -> impl Iterator<Item = [u8; 3]> {
+    let triangles = case.triangles[..usize::from(case.count)].iter();
+    triangles
+        .map(move |edges| places(edges, on))
+        .filter(|places| is_whole(*places))
 }
 
 /// Whether no two corners are one.
@@ -176,40 +252,50 @@ pub(super) fn is_whole<V: PartialEq>([a, b, c]: [V; 3]) -> bool {
     a != b && b != c && c != a
 }
 
-/// Writes the triangles of the `active` cells between slices `k` and `k + 1`, whose vertices are `crossings`.
+/// Writes the triangles of the `cells` between slices `k` and `k + 1`, whose vertices are `crossings`.
 #[multiversion::multiversion(targets("x86_64+avx2+popcnt+bmi1+bmi2"))]
 pub(super) fn connect(
     rows: &InsideRows,
     k: usize,
     crossings: [&Crossings; 2],
-    active: &[u64],
+    cells: &Cells,
     triangles: &mut [[u32; 3]],
 ) {
     let words_a_row = rows.words_a_row();
     let mut rest = triangles;
     for j in 0..rows.dims[1] - 1 {
-        let active = &active[j * words_a_row..][..words_a_row];
-        if active.iter().all(|word| *word == 0) {
+        let first = j * words_a_row;
+        if cells.active[first..][..words_a_row].iter().all(|word| *word == 0) {
             continue;
         }
         let mut numbering = Numbering::new(crossings, j);
-        for (w, active) in active.iter().enumerate() {
-            let own = OwnVertices::of(crossings, j, w);
-            if *active != 0 {
-                let word = CellWord::new(rows, [w, j, k]);
-                let through = word.on.any();
-                for i in SetBits(*active) {
-                    let case = word.inside.of_cell(i);
-                    let written = if through >> i & 1 == 0 {
-                        numbering.step_over_cell(&STEPS[case]);
-                        write_all(rest, &SLOT_CASES[case], &numbering.vertices)
-                    } else {
-                        let mut vertices = numbering.next_cell(&own, i);
-                        numbering.move_to_corners(&own, i, word.on.of_cell(i), &mut vertices);
-                        write_whole(rest, &CASES[case], &vertices)
-                    };
+        for w in 0..words_a_row {
+            let [active, through] = cells.word(first + w);
+            if active == 0 && !cells.has_through {
+                continue;
+            }
+            let inside = Corners::inside(rows, [w, j, k]);
+            if !cells.has_through {
+                for i in SetBits(active) {
+                    let case = inside.of_cell(i);
+                    numbering.step_over_cell(&STEPS[case]);
+                    let written = write_all(rest, &SLOT_CASES[case], &numbering.vertices);
                     rest = &mut rest[written..];
                 }
+                continue;
+            }
+            let on = Corners::on(rows, [w, j, k]);
+            let own = OwnVertices::of(crossings, j, w);
+            for i in SetBits(active) {
+                let case = inside.of_cell(i);
+                let written = if through >> i & 1 == 0 {
+                    numbering.step_over_cell(&STEPS[case]);
+                    write_all(rest, &SLOT_CASES[case], &numbering.vertices)
+                } else {
+                    let vertices = numbering.next_places(&own, i);
+                    write_through(rest, &CASES[case], on.of_cell(i), &vertices)
+                };
+                rest = &mut rest[written..];
             }
             numbering.end_word(&own);
         }
@@ -232,16 +318,23 @@ fn write_all(room: &mut [[u32; 3]], case: &Case, vertices: &Vertices) -> usize {
     count
 }
 
-/// [`write_all`] for those triangles of which no two corners are one.
+/// [`write_all`] for a case where the surface goes through the corners `on`: writes the triangles of which no two vertices are
+/// one.
 #[inline(always)]
-fn write_whole(room: &mut [[u32; 3]], case: &Case, vertices: &[u32; 12]) -> usize {
-    let mut written = 0;
-    for edges in &case.triangles[..usize::from(case.count)] {
-        let triangle = corners(edges, vertices);
-        if is_whole(triangle) {
-            room[written] = triangle;
+fn write_through(room: &mut [[u32; 3]], case: &Case, on: usize, vertices: &[u32; PLACES]) -> usize {
+    let Some(room) = room.first_chunk_mut::<MAX_TRIANGLES>() else {
+        let mut written = 0;
+        for (triangle, places) in room.iter_mut().zip(triangles_through(case, on)) {
+            *triangle = places.map(|place| vertices[usize::from(place)]);
             written += 1;
         }
+        return written;
+    };
+    let mut written = 0;
+    for edges in &case.triangles {
+        let places = places(edges, on);
+        room[written % MAX_TRIANGLES] = places.map(|place| vertices[usize::from(place) % PLACES]);
+        written += usize::from(is_whole(places));
     }
     written
 }
@@ -369,30 +462,34 @@ impl Numbering {
         SLOTS.map(|slot| self.vertices[usize::from(slot)])
     }
 
-    /// The vertex on each of the twelve edges of any cell `i` of a word before its first is stepped over.
-    pub fn on_edges(&self, own: &OwnVertices, i: u32) -> [u32; 12] {
+    /// [`next_cell`](Self::next_cell) for all places.
+    #[inline(always)]
+    fn next_places(&mut self, own: &OwnVertices, i: u32) -> [u32; PLACES] {
+        let mut vertices = [0; PLACES];
+        for corner in 0..8 {
+            vertices[12 + corner as usize] = self.on_corner(own, i, corner);
+        }
+        self.step_over_cell(&own.step(i));
+        for (vertex, slot) in vertices.iter_mut().zip(SLOTS) {
+            *vertex = self.vertices[usize::from(slot)];
+        }
+        vertices
+    }
+
+    /// The vertex in each place round any cell `i` of a word before its first is stepped over; a meaningless number where there
+    /// is none.
+    pub fn in_places(&self, own: &OwnVertices, i: u32) -> [u32; PLACES] {
         let mut there = self.clone();
         let before = (1 << i) - 1;
         for (next, edges) in there.vertices[TRACKS..].iter_mut().zip(own.edges) {
             *next += (edges & before).count_ones();
         }
-        there.next_cell(own, i)
-    }
-
-    /// Puts the vertices of those corners of cell `i` that are `on` in place of the vertices on their edges.
-    #[inline(always)]
-    pub fn move_to_corners(&self, own: &OwnVertices, i: u32, on: usize, vertices: &mut [u32; 12]) {
-        for corner in SetBits(on as u64) {
-            let vertex = self.on_corner(own, i, corner);
-            for e in CORNER_EDGES[corner as usize] {
-                vertices[usize::from(e)] = vertex;
-            }
-        }
+        there.next_places(own, i)
     }
 
     /// The vertex on a corner of cell `i`; a meaningless number where it is not one.
     #[inline(always)]
-    pub fn on_corner(&self, own: &OwnVertices, i: u32, corner: u32) -> u32 {
+    fn on_corner(&self, own: &OwnVertices, i: u32, corner: u32) -> u32 {
         let row = (corner / 2) as usize;
         let below = ((1 << i) - 1) | u64::from(corner % 2) << i;
         self.on[row] + (own.on[row] & below).count_ones()

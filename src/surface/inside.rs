@@ -213,6 +213,7 @@ impl InsideRows {
             classify(voxels, self.dims[0], smallest_inside, inside);
             for (row, sets) in inside.chunks_exact(self.words_a_row).zip(sets) {
                 *sets = WordSets::of(row, self.dims[0]);
+                sets.on = if classifier.iso.is_some() { sets.on } else { 0 };
             }
         }
     }
@@ -269,6 +270,11 @@ impl InsideRows {
             outer_voxels(&changes[first..], here.skip(first), round, &mut outer[words]);
         }
         self.changes = changes;
+    }
+
+    /// Whether the surface may go through voxels of slice `k`, whose neighbours are held.
+    pub fn has_on(&self, k: usize) -> bool {
+        self.sets(k).iter().any(|sets| sets.on != 0)
     }
 
     /// What is known of the rows of slice `k`.

@@ -12,9 +12,9 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::cells::SetBits;
-use super::crossings::{Crossings, KINDS, ON_VOXELS};
+use super::crossings::{Crossings, ON_VOXELS};
 use super::extract::ExtractError;
-use super::slices::{EdgeSteps, HERE, NEIGHBOURS, Slices, edge_steps};
+use super::slices::{HERE, NEIGHBOURS, RowsRound, Slices};
 use crate::volume::Voxel;
 
 /// A vertex that falls on a voxel when it is rounded, and so together with those of the voxel's other edges.
@@ -123,8 +123,6 @@ type Lanes<N> = [N; LANES];
 struct Batch<'a, T> {
     slices: Slices<'a, T>,
     slice: usize,
-    /// The place of the slice's first voxel.
-    first_voxel: usize,
     len: usize,
     /// Whether an edge leads along x, y or z, or it is a voxel.
     kind: Lanes<u32>,
@@ -132,8 +130,6 @@ struct Batch<'a, T> {
     index: [Lanes<u32>; 2],
     /// The voxels at both ends and their neighbours.
     values: [[Lanes<T>; 7]; 2],
-    /// Where they are for each kind of edge, but for borders in x.
-    steps: [EdgeSteps; KINDS],
 }
 
 /// The vertices of a batch: where they are in the lattice along their edges, and in the world.
@@ -149,115 +145,40 @@ impl<'a, T: Voxel> Batch<'a, T> {
             slices,
             slice,
             len: 0,
-            first_voxel: slices.first_voxel(slice),
             kind: [0; LANES],
             index: [[0; LANES]; 2],
             values: [[[T::zeroed(); LANES]; 7]; 2],
-            steps: [[[0; 7]; 2]; KINDS],
         }
     }
 
-    /// Makes ready for edges from row `j`; the batch is empty.
-    fn start_row(&mut self, j: usize) {
-        self.steps = [0, 1, 2, 3].map(|kind| edge_steps(self.slices.dims, kind, [j, self.slice]));
-    }
-
-    /// Adds the edge of a kind from voxel `i` of row `j`.
+    /// Adds the edges along `AXIS` from the voxels of row `j` whose bits are set, or these voxels themselves if there is no such
+    /// axis, and writes the vertices of full batches.
     #[inline(always)]
-    fn push<const KIND: usize>(&mut self, [i, j]: [usize; 2]) {
-        let n = self.len % LANES;
-        self.kind[n] = KIND as u32;
-        self.index[0][n] = i as u32;
-        self.index[1][n] = j as u32;
-        let width = self.slices.dims[0];
-        let from = self.first_voxel + j * width + i;
-        let end = i + usize::from(KIND == 0);
-        let values = if i == 0 || end + 1 == width {
-            self.values_at_border(KIND, from, [i == 0, end + 1 == width])
-        } else if KIND == 0 {
-            self.values_along_x(from)
-        } else {
-            self.values_across_x(KIND, from)
-        };
-        for (lanes, value) in self.values.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
-            lanes[n] = *value;
-        }
-        self.len += 1;
-    }
-
-    /// Adds the edges of a kind from the voxels of row `j` whose bits are set, and writes the vertices of full batches.
-    #[inline(always)]
-    fn push_row<const KIND: usize>(
+    fn push_row<const AXIS: usize>(
         &mut self,
-        row: &[u64],
-        j: usize,
+        bits: &[u64],
+        (j, rows): (usize, &RowsRound<'_, T>),
         level: &Level,
         vertices: &mut Vertices,
         sink: &mut VertexSink<'_>,
     ) {
-        for (w, word) in row.iter().enumerate() {
-            for i in SetBits(*word) {
-                self.push::<KIND>([w * 64 + i as usize, j]);
+        for (w, word) in bits.iter().enumerate() {
+            for bit in SetBits(*word) {
+                let i = w * 64 + bit as usize;
+                let n = self.len % LANES;
+                self.kind[n] = AXIS as u32;
+                self.index[0][n] = i as u32;
+                self.index[1][n] = j as u32;
+                let ends = rows.ends::<AXIS>(i);
+                for (lanes, value) in self.values.as_flattened_mut().iter_mut().zip(ends.as_flattened()) {
+                    lanes[n] = *value;
+                }
+                self.len += 1;
                 if self.len == LANES {
                     self.flush(level, vertices, sink);
                 }
             }
         }
-    }
-
-    /// `N` voxels in a row, the first of them by a step from another.
-    #[inline(always)]
-    fn voxels<const N: usize>(&self, from: usize, step: isize) -> [T; N] {
-        let start = from.wrapping_add_signed(step);
-        std::array::from_fn(|n| self.slices.voxels[start..start + N][n])
-    }
-
-    /// The voxels at the ends of an x edge, and round them.
-    #[inline(always)]
-    fn values_along_x(&self, from: usize) -> [[T; 7]; 2] {
-        let steps = &self.steps[0][0];
-        let [before, a, b, after] = self.voxels(from, -1);
-        let [below_y, above_y, below_z, above_z]: [[T; 2]; 4] = [
-            self.voxels(from, steps[3]),
-            self.voxels(from, steps[4]),
-            self.voxels(from, steps[5]),
-            self.voxels(from, steps[6]),
-        ];
-        [
-            [a, before, b, below_y[0], above_y[0], below_z[0], above_z[0]],
-            [b, a, after, below_y[1], above_y[1], below_z[1], above_z[1]],
-        ]
-    }
-
-    /// The same for an edge that is not along x, or a voxel.
-    #[inline(always)]
-    fn values_across_x(&self, kind: usize, from: usize) -> [[T; 7]; 2] {
-        let end = |steps: &[isize; 7]| {
-            let [before, here, after] = self.voxels(from, steps[HERE] - 1);
-            let [[a], [b], [c], [d]] = [
-                self.voxels(from, steps[3]),
-                self.voxels(from, steps[4]),
-                self.voxels(from, steps[5]),
-                self.voxels(from, steps[6]),
-            ];
-            [here, before, after, a, b, c, d]
-        };
-        [end(&self.steps[kind][0]), end(&self.steps[kind][1])]
-    }
-
-    /// The same for an edge of any kind, of which the lower end is the first of its row or the upper the last.
-    #[cold]
-    fn values_at_border(&self, kind: usize, from: usize, [is_first, is_last]: [bool; 2]) -> [[T; 7]; 2] {
-        let mut steps = self.steps[kind];
-        let [lower, upper] = NEIGHBOURS[0];
-        let ends = if kind == 0 { [0..1, 1..2] } else { [0..2, 0..2] };
-        for end in ends[0].clone().filter(|_| is_first) {
-            steps[end][lower] = steps[end][HERE];
-        }
-        for end in ends[1].clone().filter(|_| is_last) {
-            steps[end][upper] = steps[end][HERE];
-        }
-        steps.map(|steps| steps.map(|step| self.slices.voxels[from.wrapping_add_signed(step)]))
     }
 
     /// What the two ends of the edge in lane `n` differ by in x, y and z; nothing for a voxel.
@@ -420,17 +341,18 @@ pub(super) fn interpolate<T: Voxel>(
         positions: [[0.0; LANES]; 3],
         normals: [[0.0; LANES]; 3],
     };
-    let rows = slices.dims[1];
-    for j in 0..rows {
-        // In y, rows from the second on have both neighbours, up to those next to the last.
-        if j < 2 || j + 2 >= rows {
-            batch.flush(level, &mut vertices, sink);
-            batch.start_row(j);
-        }
-        batch.push_row::<0>(crossings.row(0, j), j, level, &mut vertices, sink);
-        batch.push_row::<1>(crossings.row(1, j), j, level, &mut vertices, sink);
-        batch.push_row::<2>(crossings.row(2, j), j, level, &mut vertices, sink);
-        batch.push_row::<ON_VOXELS>(crossings.row(ON_VOXELS, j), j, level, &mut vertices, sink);
+    for j in 0..slices.dims[1] {
+        let bits = [
+            crossings.row(0, j),
+            crossings.row(1, j),
+            crossings.row(2, j),
+            crossings.row(ON_VOXELS, j),
+        ];
+        let rows = (j, &slices.round(j, k));
+        batch.push_row::<0>(bits[0], rows, level, &mut vertices, sink);
+        batch.push_row::<1>(bits[1], rows, level, &mut vertices, sink);
+        batch.push_row::<2>(bits[2], rows, level, &mut vertices, sink);
+        batch.push_row::<ON_VOXELS>(bits[3], rows, level, &mut vertices, sink);
     }
     batch.flush(level, &mut vertices, sink);
 }

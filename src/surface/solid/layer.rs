@@ -9,7 +9,7 @@ use super::table::{Relations, Side, Work};
 use super::{Border, CAP, FIRST_FACE, Group, Pieces, Point, SURFACE, Task};
 use crate::math::affine;
 use crate::surface::cases::CASES;
-use crate::surface::cells::{CellWord, Numbering, OwnVertices, SetBits, corners, is_whole};
+use crate::surface::cells::{CellWord, Numbering, OwnVertices, SetBits, is_whole, triangles_through};
 use crate::surface::crossings::Crossings;
 use crate::surface::inside::{Classifier, InsideRows, Ties};
 use crate::surface::slices::Slices;
@@ -89,13 +89,10 @@ impl Layer<'_> {
     /// Whole triangles of the scan's surface.
     fn add_surface(&mut self, block: &Block<'_>, i: u32) {
         let case = &CASES[block.word.inside.of_cell(i)];
-        let mut vertices = block.numbering.on_edges(block.own, i);
-        block
-            .numbering
-            .move_to_corners(block.own, i, block.word.on.of_cell(i), &mut vertices);
-        let triangles = case.triangles[..usize::from(case.count)].iter();
-        let triangles = triangles.map(|edges| corners(edges, &vertices));
-        self.pieces.surface.extend(triangles.filter(|t| is_whole(*t)));
+        let vertices = block.numbering.in_places(block.own, i);
+        let triangles = triangles_through(case, block.word.on.of_cell(i));
+        let triangles = triangles.map(|places| places.map(|place| vertices[usize::from(place)]));
+        self.pieces.surface.extend(triangles);
     }
 
     /// Whole triangles of the cutter's surface.
@@ -213,12 +210,9 @@ impl Layer<'_> {
             inside: block.word.inside.of_cell(i),
             on: block.word.on.of_cell(i),
         };
-        let on_edges = block.numbering.on_edges(block.own, i);
-        Cell::new(&corners, |n| {
-            let number = match on_edges.get(n) {
-                Some(number) => *number,
-                None => block.numbering.on_corner(block.own, i, n as u32 - 12),
-            };
+        let vertices = block.numbering.in_places(block.own, i);
+        Cell::new(&corners, |place| {
+            let number = vertices[place];
             let as_double = |v: [f32; 3]| Vec3::from(v).as_dvec3();
             SurfaceVertex {
                 number,
