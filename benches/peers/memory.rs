@@ -117,6 +117,15 @@ pub fn print_usage_of(scene: Scene) -> Outcome<()> {
     Ok(())
 }
 
+/// What `run` returns, and by how many bytes the resident memory grew at most meanwhile.
+pub fn growth<T>(run: impl FnOnce() -> T) -> Outcome<(T, u64)> {
+    // Linux: forgets the highest resident size so far.
+    std::fs::write("/proc/self/clear_refs", "5")?;
+    let before = status_bytes("VmRSS")?;
+    let result = run();
+    Ok((result, status_bytes("VmHWM")?.saturating_sub(before)))
+}
+
 /// A field of /proc/self/status, bytes.
 fn status_bytes(field: &str) -> Outcome<u64> {
     let status = std::fs::read_to_string("/proc/self/status")?;

@@ -11,6 +11,7 @@ use vcsg::volume::{Grid, Voxels};
 
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
+use crate::memory;
 use crate::runs::{Ratios, Summary, timed};
 use crate::vtk::Peer;
 
@@ -19,6 +20,9 @@ const BARS: [(&str, f64); 2] = [("flying-edges", 2.0), ("marching-cubes", 8.0)];
 
 /// How many times as fast two threads must be as one.
 const TWO_THREADS: f64 = 1.7;
+
+/// The most that the resident memory may grow by, in sizes of the mesh.
+const MEMORY: f64 = 1.5;
 
 /// The value whose surface is extracted, as a fraction of a type's range of values.
 const ISO: f64 = 0.5;
@@ -69,20 +73,22 @@ pub struct Comparison {
     what: String,
     triangles: usize,
     vertices: usize,
+    /// The growth of resident memory over the mesh's size.
+    memory: f64,
     ours: Summary,
     one_thread: Summary,
     against: Vec<Against>,
-    /// Two threads against one, and ours against each method.
+    /// Two threads against one, ours against each method, and memory.
     pub bars: Vec<Bar>,
 }
 
 /// Compares on all volumes; each comparison is printed when it is done.
 pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
     println!(
-        "\nSurfaces with normals; milliseconds, and how many times as fast as one thread, vtkFlyingEdges3D, vtkMarchingCubes"
+        "\nSurfaces with normals; milliseconds, and how many times as fast as one thread, vtkFlyingEdges3D, vtkMarchingCubes; memory over the mesh's"
     );
     println!(
-        "{:<16} {:>10} {:>8} {:>8} {:>8} | {:>8} {:>7} | {:>8} {:>7} {:>6} | {:>8} {:>7} {:>6}",
+        "{:<16} {:>10} {:>8} {:>8} {:>8} | {:>8} {:>7} | {:>8} {:>7} {:>6} | {:>8} {:>7} {:>6} | {:>6}",
         "",
         "triangles",
         "median",
@@ -95,7 +101,8 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
         "CPU",
         "MC med",
         "times",
-        "CPU"
+        "CPU",
+        "memory"
     );
     let mut done = Vec::new();
     for case in &CASES {
@@ -156,8 +163,10 @@ impl Case {
         }
         let single = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let extract = || marching_cubes(&grid, self.iso());
-        let mesh = extract()?;
+        let (mesh, grown) = memory::growth(extract)?;
+        let mesh = mesh?;
         let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+        let memory = grown as f64 / (12 * triangles + 24 * vertices) as f64;
         drop(mesh);
         let (mut ours, mut one, mut theirs) = (Vec::new(), Vec::new(), vec![Vec::new(); peers.len()]);
         for _ in 0..repetitions {
@@ -183,11 +192,17 @@ impl Case {
                 }
             })
             .collect();
-        let bars = self.bars(&Ratios::of(&ours, &one_thread), &against);
+        let mut bars = self.bars(&Ratios::of(&ours, &one_thread), &against);
+        bars.push(Bar {
+            what: format!("memory over the mesh: {}", self.name()),
+            value: memory,
+            limit: Limit::AtMost(MEMORY),
+        });
         Ok(Comparison {
             what: self.name(),
             triangles,
             vertices,
+            memory,
             ours,
             one_thread,
             against,
@@ -249,6 +264,6 @@ impl Comparison {
                 a.faster.cpu
             );
         }
-        println!();
+        println!(" | {:6.2}", self.memory);
     }
 }

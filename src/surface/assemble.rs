@@ -16,11 +16,12 @@ use rayon::prelude::*;
 use super::cells::{self, Cells};
 use super::crossings::Crossings;
 use super::extract::{ExtractError, Topology};
-use super::inside::{Classifier, InsideRows, Known, WordSets};
+use super::inside::{Classifier, InsideRows};
 use super::manifold;
 use super::mesh::{Mesh, Part};
 use super::vertices::{Hit, Level, Loose, VertexSink, interpolate};
 use super::weld::{Layout, weld};
+use super::words::{Known, WordSets};
 use crate::volume::Voxel;
 
 /// Slices whose bits are made together: few enough for a cache, many beside the four more that are held for their sake.

@@ -5,8 +5,9 @@
 
 use super::cases::{CASES, Case, MAX_TRIANGLES};
 use super::cell::edge_corners;
-use super::crossings::{Crossings, ON_VOXELS};
+use super::crossings::Crossings;
 use super::inside::{InsideRows, SliceBits};
+use super::numbering::{Numbering, OwnVertices, PLACES, SLOTS, STEPS, Vertices};
 
 /// The cells between two slices, one bit each, row after row as of voxels.
 #[derive(Default)]
@@ -209,9 +210,6 @@ fn count_through(case: &Case, on: usize) -> u32 {
     count
 }
 
-/// The places round a cell where vertices can be: its twelve edges, then its eight corners, and no others.
-const PLACES: usize = 32;
-
 /// The place of the vertex on each edge, where the surface goes through the corners that the index has bits for.
 static PLACE_OF_EDGE: [[u8; 16]; 256] = {
     let mut places = [[0; 16]; 256];
@@ -302,6 +300,18 @@ pub(super) fn connect(
     }
 }
 
+/// [`CASES`], with the slots of edges in place of edges.
+static SLOT_CASES: [Case; 256] = {
+    let mut cases = CASES;
+    let mut n = 0;
+    while n < 256 * MAX_TRIANGLES * 3 {
+        let edge = &mut cases[n / (3 * MAX_TRIANGLES)].triangles[n / 3 % MAX_TRIANGLES][n % 3];
+        *edge = SLOTS[*edge as usize];
+        n += 1;
+    }
+    cases
+};
+
 /// Writes the triangles of a case, none of whose vertices are one, and returns how many there are.
 #[inline(always)]
 fn write_all(room: &mut [[u32; 3]], case: &Case, vertices: &Vertices) -> usize {
@@ -337,177 +347,4 @@ fn write_through(room: &mut [[u32; 3]], case: &Case, on: usize, vertices: &[u32;
         written += usize::from(is_whole(places));
     }
     written
-}
-
-/// The edges with a vertex of their own that a row of cells goes along: x edges of its four rows of voxels, y edges of the lower
-/// and the upper slice, z edges of the lower and the upper row.
-const TRACKS: usize = 8;
-
-/// The vertices round a cell: on each track the one at the cell's lower x, and then on each the next one. Of tracks in y and z
-/// that is the one at the cell's upper x, if it has both.
-type Vertices = [u32; 2 * TRACKS];
-
-/// Where the vertex on each of the twelve edges is among [`Vertices`].
-const SLOTS: [u8; 12] = [0, 1, 2, 3, 4, 12, 5, 13, 6, 14, 7, 15];
-
-/// [`CASES`], with the slots of edges in place of edges.
-static SLOT_CASES: [Case; 256] = {
-    let mut cases = CASES;
-    let mut n = 0;
-    while n < 256 * MAX_TRIANGLES * 3 {
-        let edge = &mut cases[n / (3 * MAX_TRIANGLES)].triangles[n / 3 % MAX_TRIANGLES][n % 3];
-        *edge = SLOTS[*edge as usize];
-        n += 1;
-    }
-    cases
-};
-
-/// For each case, how many vertices the cell has on each track that the next cell has no more.
-static STEPS: [[u8; TRACKS]; 256] = {
-    let mut steps = [[0; TRACKS]; 256];
-    let mut n = 0;
-    while n < 256 * TRACKS {
-        let (case, track) = (n / TRACKS, n % TRACKS);
-        let mut edge = 0;
-        while SLOTS[edge] as usize != track {
-            edge += 1;
-        }
-        let [a, b] = edge_corners(edge as u8);
-        steps[case][track] = (case >> a ^ case >> b) as u8 & 1;
-        n += 1;
-    }
-    steps
-};
-
-/// Which edges and voxels round 64 cells of a row have a vertex of their own.
-pub(super) struct OwnVertices {
-    /// On each track.
-    edges: [u64; TRACKS],
-    /// On voxels of all four rows.
-    on: [u64; 4],
-}
-
-impl OwnVertices {
-    /// Round word `w` of row `j`, of the crossings that start in the lower and in the upper slice.
-    #[inline(always)]
-    pub fn of([lower, upper]: [&Crossings; 2], j: usize, w: usize) -> Self {
-        let own = |slice: &Crossings, kind, j| slice.word(kind, j, w);
-        Self {
-            edges: [
-                own(lower, 0, j),
-                own(lower, 0, j + 1),
-                own(upper, 0, j),
-                own(upper, 0, j + 1),
-                own(lower, 1, j),
-                own(upper, 1, j),
-                own(lower, 2, j),
-                own(lower, 2, j + 1),
-            ],
-            on: [
-                own(lower, ON_VOXELS, j),
-                own(lower, ON_VOXELS, j + 1),
-                own(upper, ON_VOXELS, j),
-                own(upper, ON_VOXELS, j + 1),
-            ],
-        }
-    }
-
-    /// How many vertices cell `i` has on each track that the next cell has no more.
-    #[inline(always)]
-    fn step(&self, i: u32) -> [u8; TRACKS] {
-        self.edges.map(|edges| (edges >> i & 1) as u8)
-    }
-}
-
-/// The numbers of the vertices round the cells of a row, from one cell with a surface to the next.
-#[derive(Clone)]
-pub(super) struct Numbering {
-    /// Those round the cell that was stepped over last; the second half is the first half of the cell that comes next.
-    vertices: Vertices,
-    /// The first vertex on voxels of each row, of the word.
-    on: [u32; 4],
-}
-
-impl Numbering {
-    /// Before the first cell of row `j`, of the crossings that start in the lower and in the upper slice.
-    #[inline(always)]
-    pub fn new([lower, upper]: [&Crossings; 2], j: usize) -> Self {
-        let (lower, upper) = (&lower.numbers, &upper.numbers);
-        let rows = [lower[j], lower[j + 1], upper[j], upper[j + 1]];
-        let [a, b, c, d] = rows;
-        let mut vertices = [0; 2 * TRACKS];
-        vertices[TRACKS..].copy_from_slice(&[a[0], b[0], c[0], d[0], a[1], c[1], a[2], b[2]]);
-        Self {
-            vertices,
-            on: rows.map(|row| row[ON_VOXELS]),
-        }
-    }
-
-    /// Takes a step over a cell.
-    #[inline(always)]
-    fn step_over_cell(&mut self, step: &[u8; TRACKS]) {
-        for n in 0..TRACKS {
-            self.vertices[n] = self.vertices[TRACKS + n];
-        }
-        for (next, step) in self.vertices[TRACKS..].iter_mut().zip(step) {
-            *next += u32::from(*step);
-        }
-    }
-
-    /// The vertex on each of the twelve edges of cell `i`, a meaningless number where the edge has none of its own; and steps
-    /// over the cell. All cells with a surface are stepped over in their order.
-    #[inline(always)]
-    pub fn next_cell(&mut self, own: &OwnVertices, i: u32) -> [u32; 12] {
-        self.step_over_cell(&own.step(i));
-        SLOTS.map(|slot| self.vertices[usize::from(slot)])
-    }
-
-    /// [`next_cell`](Self::next_cell) for all places.
-    #[inline(always)]
-    fn next_places(&mut self, own: &OwnVertices, i: u32) -> [u32; PLACES] {
-        let mut vertices = [0; PLACES];
-        for corner in 0..8 {
-            vertices[12 + corner as usize] = self.on_corner(own, i, corner);
-        }
-        self.step_over_cell(&own.step(i));
-        for (vertex, slot) in vertices.iter_mut().zip(SLOTS) {
-            *vertex = self.vertices[usize::from(slot)];
-        }
-        vertices
-    }
-
-    /// The vertex in each place round any cell `i` of a word before its first is stepped over; a meaningless number where there
-    /// is none.
-    pub fn in_places(&self, own: &OwnVertices, i: u32) -> [u32; PLACES] {
-        let mut there = self.clone();
-        let before = (1 << i) - 1;
-        for (next, edges) in there.vertices[TRACKS..].iter_mut().zip(own.edges) {
-            *next += (edges & before).count_ones();
-        }
-        there.next_places(own, i)
-    }
-
-    /// The vertex on a corner of cell `i`; a meaningless number where it is not one.
-    #[inline(always)]
-    fn on_corner(&self, own: &OwnVertices, i: u32, corner: u32) -> u32 {
-        let row = (corner / 2) as usize;
-        let below = ((1 << i) - 1) | u64::from(corner % 2) << i;
-        self.on[row] + (own.on[row] & below).count_ones()
-    }
-
-    /// Steps over the vertices on voxels of a word whose cells have been stepped over.
-    #[inline(always)]
-    pub fn end_word(&mut self, own: &OwnVertices) {
-        for (next, on) in self.on.iter_mut().zip(own.on) {
-            *next += on.count_ones();
-        }
-    }
-
-    /// Steps over a word none of whose cells has been stepped over.
-    pub fn step_over(&mut self, own: &OwnVertices) {
-        for (next, edges) in self.vertices[TRACKS..].iter_mut().zip(own.edges) {
-            *next += edges.count_ones();
-        }
-        self.end_word(own);
-    }
 }

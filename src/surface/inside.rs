@@ -5,12 +5,13 @@
 //! an edge is crossed its two ends differ, so crossings are an exclusive or of rows, and counting set bits numbers them.
 //! *Practice.* The isovalue is turned into the smallest value of the voxels' own type that is inside, so that voxels are
 //! compared as they are. Bits are held for a few slices only. Of the others no more is kept than which words need another look
-//! ([`WordSets`]), so that a second pass reads the voxels near the surface and no others.
+//! ([`words`](super::words)), so that a second pass reads the voxels near the surface and no others.
 
 use std::ops::Range;
 
 use super::cells::SetBits;
 use super::slices::Slices;
+use super::words::{Known, WordSets, existing};
 use crate::volume::Voxel;
 
 /// What becomes of vertices that lie on one voxel because it has the isovalue.
@@ -41,69 +42,6 @@ impl<'a, T: Voxel> Classifier<'a, T> {
             smallest_inside,
             iso: smallest_inside.filter(|v| ties == Ties::OneVertex && v.to_f64() == iso),
         }
-    }
-}
-
-/// What is known of a row's words: a bit for each, or for each group of `2^n` of them where a row has more than 32.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct WordSets {
-    /// All voxels are inside.
-    full: u32,
-    /// Some voxels are inside and some are not. Words in neither set are all outside.
-    mixed: u32,
-    /// The surface may go through voxels.
-    on: u32,
-}
-
-impl WordSets {
-    /// All voxels are outside.
-    pub const OUTSIDE: Self = Self {
-        full: 0,
-        mixed: 0,
-        on: 0,
-    };
-
-    /// How the words of a row of `width` voxels are grouped: by `2^shift`.
-    fn shift(width: usize) -> u32 {
-        width.div_ceil(64).div_ceil(32).next_power_of_two().trailing_zeros()
-    }
-
-    /// Those of a row of `width` voxels, of which `row` are inside; the surface may go through any of these.
-    fn of(row: &[u64], width: usize) -> Self {
-        let shift = Self::shift(width);
-        let (mut some_outside, mut some_inside) = (0, 0);
-        for (w, word) in row.iter().enumerate() {
-            some_outside |= u32::from(*word != existing(width, w)) << (w >> shift);
-            some_inside |= u32::from(*word != 0) << (w >> shift);
-        }
-        Self {
-            full: some_inside & !some_outside,
-            mixed: some_inside & some_outside,
-            on: some_inside,
-        }
-    }
-}
-
-/// The bits of the voxels that word `w` of a row of `width` has.
-#[inline(always)]
-fn existing(width: usize, w: usize) -> u64 {
-    let left = width - w * 64;
-    if left >= 64 { u64::MAX } else { (1 << left) - 1 }
-}
-
-/// What is known of the rows of some slices.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Known<'a> {
-    pub first_slice: usize,
-    /// For each row, slice after slice.
-    pub sets: &'a [WordSets],
-}
-
-impl<'a> Known<'a> {
-    /// The rows of slice `k`, if they are known.
-    fn slice(&self, k: usize, ny: usize) -> Option<&'a [WordSets]> {
-        let start = k.checked_sub(self.first_slice)? * ny;
-        self.sets.get(start..start + ny)
     }
 }
 
@@ -457,6 +395,39 @@ mod tests {
                         "width {width}, row {n}, voxel {i}"
                     );
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_second_look_at_some_words_finds_the_same() {
+        // From rows of one word to rows of several words in a group.
+        for width in [3, 64, 300, 2048, 2049, 4200] {
+            let dims = [width, 4, 3];
+            let field = |n: usize| match n / 300 % 3 {
+                0 => 0,
+                1 => 9,
+                _ => (n * 37 + n * n) % 11,
+            };
+            let voxels: Vec<u16> = (0..12 * width).map(|n| field(n) as u16).collect();
+            let slices = Slices {
+                voxels: &voxels,
+                first_slice: 0,
+                dims,
+            };
+            let classifier = Classifier::new(slices, 5.0, Ties::OneVertex);
+            let first = InsideRows::of(&classifier, 0..3);
+            let sets: Vec<WordSets> = (0..3).flat_map(|k| first.sets(k).to_vec()).collect();
+            let known = Known {
+                first_slice: 0,
+                sets: &sets,
+            };
+            let mut again = InsideRows::new(dims);
+            again.move_to(&classifier, 0..3, known);
+            for k in 0..3 {
+                assert!(first.has_on(k) || width < 300, "width {width}, slice {k}");
+                assert_eq!(again.inside(k).0, first.inside(k).0, "width {width}, slice {k}");
+                assert_eq!(again.on(k).0, first.on(k).0, "width {width}, slice {k}");
             }
         }
     }

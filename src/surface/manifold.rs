@@ -5,8 +5,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::cells::{Numbering, OwnVertices, SetBits};
+use super::cells::SetBits;
 use super::crossings::Crossings;
+use super::numbering::{Numbering, OwnVertices};
 use super::slices::Slices;
 use super::trilinear::triangulate;
 use super::vertices::{Level, VertexSink};

@@ -16,6 +16,7 @@ mod manifold;
 mod measure;
 mod mesh;
 mod nearest;
+mod numbering;
 pub mod reference;
 mod simplify;
 mod slices;
@@ -27,6 +28,7 @@ pub mod trilinear;
 mod vertices;
 mod view;
 mod weld;
+mod words;
 
 pub use blocks::extract_target;
 pub use connect::{Component, components, keep_largest, keep_touching};
