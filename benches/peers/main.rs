@@ -48,6 +48,9 @@ struct Arguments {
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
+    /// Extract one surface and print what memory it took.
+    #[arg(long, hide = true)]
+    memory_of_surface: Option<String>,
     /// Cargo says this.
     #[arg(long, hide = true)]
     bench: bool,
@@ -80,6 +83,9 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Outcome<usize> {
     if let Some(scene) = arguments.memory_of {
         return memory::print_usage_of(scene).map(|()| 0);
+    }
+    if let Some(name) = &arguments.memory_of_surface {
+        return surfaces::print_growth_of(name).map(|()| 0);
     }
     vtk::require_setup()?;
     if arguments.surfaces {

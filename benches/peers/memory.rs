@@ -2,6 +2,7 @@
 
 use std::process::{Command, Stdio};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use vcsg::render::SliceRenderer;
 use vcsg::target::Subdivision;
@@ -74,14 +75,7 @@ pub fn measure() -> Outcome<Vec<Measured>> {
 }
 
 fn in_own_process(name: &str, what: &'static str) -> Outcome<Measured> {
-    let output = Command::new(std::env::current_exe()?)
-        .args(["--memory-of", name])
-        .stderr(Stdio::inherit())
-        .output()?;
-    if !output.status.success() {
-        return Err(format!("measuring the memory of {name}: {}", output.status).into());
-    }
-    let usage: Usage = serde_json::from_slice(&output.stdout)?;
+    let usage: Usage = from_own_process(["--memory-of", name])?;
     let held = (usage.blocks + usage.leaves) as f64;
     let bar = Bar {
         what: format!("peak memory over blocks and leaves: {what}"),
@@ -89,6 +83,18 @@ fn in_own_process(name: &str, what: &'static str) -> Outcome<Measured> {
         limit: Limit::AtMost(BAR),
     };
     Ok(Measured { what, usage, bar })
+}
+
+/// What this program prints, as JSON, when it is run once more with `arguments`.
+pub fn from_own_process<T: DeserializeOwned>(arguments: [&str; 2]) -> Outcome<T> {
+    let output = Command::new(std::env::current_exe()?)
+        .args(arguments)
+        .stderr(Stdio::inherit())
+        .output()?;
+    if !output.status.success() {
+        return Err(format!("{}: {}", arguments.join(" "), output.status).into());
+    }
+    Ok(serde_json::from_slice(&output.stdout)?)
 }
 
 /// Loads, builds, uploads and draws `scene` once, and prints what that took.

@@ -113,6 +113,20 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
     Ok(done)
 }
 
+/// Prints by how many bytes the memory grows at most while the surface of the case called `name` is extracted.
+pub fn print_growth_of(name: &str) -> Outcome<()> {
+    let case = CASES.iter().find(|case| case.name() == name);
+    let case = case.ok_or_else(|| format!("there is no surface {name}"))?;
+    // The code's own pages and the threads' stacks are not the surface's.
+    let small = Case { side: 16, ..*case };
+    marching_cubes(&small.grid()?, case.iso())?;
+    let grid = case.grid()?;
+    let (mesh, grown) = memory::growth(|| marching_cubes(&grid, case.iso()))?;
+    mesh?;
+    println!("{grown}");
+    Ok(())
+}
+
 impl Case {
     fn name(&self) -> String {
         format!("{} {}³ {}", self.field, self.side, self.voxels)
@@ -163,9 +177,9 @@ impl Case {
         }
         let single = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let extract = || marching_cubes(&grid, self.iso());
-        let (mesh, grown) = memory::growth(extract)?;
-        let mesh = mesh?;
+        let mesh = extract()?;
         let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
+        let grown: u64 = memory::from_own_process(["--memory-of-surface", &self.name()])?;
         let memory = grown as f64 / (12 * triangles + 24 * vertices) as f64;
         drop(mesh);
         let (mut ours, mut one, mut theirs) = (Vec::new(), Vec::new(), vec![Vec::new(); peers.len()]);
