@@ -13,17 +13,14 @@
 //! ```
 //! use glam::DVec3;
 //! use vcsg::math::Aabb;
-//! use vcsg::model::{BooleanOp, Combine, Family, Model, Node, Shape, ValueRule};
+//! use vcsg::model::{BooleanOp, Combine, Family, Model, Node, ValueRule};
+//! use vcsg::voxelize::{Primitive, Solid};
 //!
 //! let mut model = Model::default();
-//! let ball = model.push(Node::Primitive {
-//!     shape: Shape::Sphere { center: DVec3::ZERO, radius: 10.0 },
-//!     value: 100.0,
-//! });
-//! let cube = model.push(Node::Primitive {
-//!     shape: Shape::Box(Aabb::new(DVec3::ZERO, DVec3::splat(12.0))),
-//!     value: 200.0,
-//! });
+//! let ball = Solid::Sphere { center: DVec3::ZERO, radius: 10.0 };
+//! let ball = model.push(Node::Primitive(Primitive::soft(ball, 100.0)));
+//! let cube = Solid::Box(Aabb::new(DVec3::ZERO, DVec3::splat(12.0)));
+//! let cube = model.push(Node::Primitive(Primitive::soft(cube, 200.0)));
 //! let root = model.push(Node::Combine(Combine {
 //!     op: BooleanOp::Union,
 //!     rule: ValueRule::Max,
@@ -34,12 +31,13 @@
 //! let bounds = model.bounds()[root.index()];
 //! assert_eq!(bounds, Aabb::new(DVec3::splat(-10.0), DVec3::splat(12.0)));
 //!
-//! // The target samples the model every half millimetre: 44 voxels an axis, and one empty one on each side.
+//! // The target samples the model every half millimetre: 44 voxels an axis and, on each side, two of soft surface and an
+//! // empty one.
 //! use vcsg::target::{Layout, Subdivision, Target, VoxelTarget};
 //!
 //! let subdivision = Subdivision { min_block: 8, ..Subdivision::default() };
 //! let target = Target::build(&model, Some(0.5), &subdivision)?;
-//! assert_eq!(target.lattice.dims, [46; 3]);
+//! assert_eq!(target.lattice.dims, [50; 3]);
 //!
 //! // A block that one node fills has a path of one step and stores one value; one that both surfaces cross needs both.
 //! let steps = |block| target.path(block).len();
@@ -105,6 +103,7 @@ pub mod scene;
 pub mod surface;
 pub mod target;
 pub mod volume;
+pub mod voxelize;
 
 /// The SPIR-V of `shaders/`, a constant a shader.
 pub mod shaders {

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use glam::{DAffine3, DVec3};
 use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Boundary, Combine, Family, Node, Shape, ValueMap, ValueRule};
+use vcsg::model::{BooleanOp, Boundary, Combine, Family, Node, ValueMap, ValueRule};
 use vcsg::projection::presets::{self, DataStatistics};
 use vcsg::projection::{Mode, Projection};
 use vcsg::scene::{NoVolumes, Scene, SceneError, SurfaceSpec, TransferChoice, TransferSpec};
 use vcsg::surface::{MeshColor, MeshLook, MeshShading, Topology};
+use vcsg::voxelize::Solid;
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse("test.kdl", text, Path::new("."), &mut NoVolumes)
@@ -37,14 +38,14 @@ fn leaves_have_their_geometry_and_value() {
         "sphere radius=2 center=\"1 2 3\" value=100\nbox min=\"-1 -1 -1\" max=\"1,2,3\"\nhalf-space point=\"0 0 5\" normal=\"0 0 2\"",
     );
     let primitive = |node: &Node| match node {
-        Node::Primitive { shape, value } => (*shape, *value),
+        Node::Primitive(primitive) => (primitive.solid.clone(), primitive.value),
         other => panic!("{other:?}"),
     };
     let center = DVec3::new(1.0, 2.0, 3.0);
-    assert_eq!(primitive(&all[0]), (Shape::Sphere { center, radius: 2.0 }, 100.0));
-    assert_eq!(primitive(&all[1]), (Shape::Box(Aabb::new(-DVec3::ONE, center)), 1.0));
+    assert_eq!(primitive(&all[0]), (Solid::Sphere { center, radius: 2.0 }, 100.0));
+    assert_eq!(primitive(&all[1]), (Solid::Box(Aabb::new(-DVec3::ONE, center)), 1.0));
     match primitive(&all[2]).0 {
-        Shape::HalfSpace(plane) => assert_eq!((plane.normal, plane.offset), (DVec3::Z, -5.0)),
+        Solid::HalfSpace(plane) => assert_eq!((plane.normal, plane.offset), (DVec3::Z, -5.0)),
         other => panic!("{other:?}"),
     }
 }

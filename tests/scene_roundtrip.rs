@@ -4,9 +4,10 @@ use std::path::Path;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use vcsg::model::{Node, Shape};
+use vcsg::model::Node;
 use vcsg::projection::{Projection, View};
 use vcsg::scene::{NoVolumes, Scene, SceneError, Source, SurfaceSpec, with_property};
+use vcsg::voxelize::Solid;
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     Scene::parse("random.kdl", text, Path::new("."), &mut NoVolumes)
@@ -105,10 +106,10 @@ fn view() -> impl Strategy<Value = View> {
 
 fn radii(scene: &Scene) -> Vec<f64> {
     let radius = |node: &Node| match node {
-        Node::Primitive {
-            shape: Shape::Sphere { radius, .. },
-            ..
-        } => Some(*radius),
+        Node::Primitive(primitive) => match primitive.solid {
+            Solid::Sphere { radius, .. } => Some(radius),
+            _ => None,
+        },
         _ => None,
     };
     scene.model.nodes().iter().filter_map(radius).collect()

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, dvec3};
 use serde::Deserialize;
-use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Combine, Family, Model, Node, NodeId, Plane, Shape, ValueRule, VolumeLeaf};
+use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use vcsg::projection::{Camera, ControlPoint, Lens, Light, Material, Settings, Shading, TransferFunction, View};
 use vcsg::volume::{Bricks, Grid, Voxels};
+use vcsg::voxelize::{Primitive, Solid};
 
 use crate::Outcome;
 
@@ -67,13 +68,11 @@ pub fn cut_and_carved(bricks: &Arc<Bricks>) -> Outcome<Model> {
     let child = push_volume(&mut model, bricks);
     let plane = Plane::through(middle(), dvec3(1.0, -1.0, 1.0)).ok_or("a plane needs a direction")?;
     let first = model.push(Node::Cut { child, plane });
-    let second = model.push(Node::Primitive {
-        shape: Shape::Sphere {
-            center: middle() + dvec3(-40.0, -40.0, 20.0),
-            radius: 40.0,
-        },
-        value: 0.0,
-    });
+    let ball = Solid::Sphere {
+        center: middle() + dvec3(-40.0, -40.0, 20.0),
+        radius: 40.0,
+    };
+    let second = model.push(Node::Primitive(Primitive::crisp(ball, 0.0)));
     model.push(Node::Combine(Combine {
         op: BooleanOp::Subtraction,
         rule: ValueRule::First,

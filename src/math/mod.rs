@@ -6,8 +6,11 @@
 mod aabb;
 pub mod affine;
 mod interval;
+mod plane;
+pub mod quadrature;
 mod viewpoint;
 
 pub use aabb::{Aabb, Overlap};
 pub use interval::Interval;
+pub use plane::{Plane, linear};
 pub use viewpoint::Viewpoint;

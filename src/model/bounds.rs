@@ -6,14 +6,15 @@
 //! moved corners; the paper keeps the child's and moves the tested block instead, which is what [`Tree`](super::Tree) does
 //! for leaves, where it decides. A subtraction that keeps the first operand's extent is bounded in the same way.
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
-use super::{BooleanOp, FramePlane, Leaf, Model, Node, Shape, Source, Step, Tree};
+use super::{BooleanOp, FramePlane, Leaf, Model, Node, Source, Step, Tree};
 use crate::math::Aabb;
+use crate::voxelize::{Placed, Solid};
 
 impl Model {
     /// The box of every node, in the frame of its parent, by node index; empty where the node is nowhere, infinite where it
-    /// is unbounded.
+    /// is unbounded. Soft surfaces reach beyond it by their filter's radius, which only a lattice gives a length.
     pub fn bounds(&self) -> Vec<Aabb> {
         let mut boxes: Vec<Aabb> = Vec::with_capacity(self.nodes().len());
         for node in self.nodes() {
@@ -26,7 +27,7 @@ impl Model {
 fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
     match node {
         Node::Volume(leaf) => leaf.bricks.index_bounds().transformed(leaf.bricks.world_from_index()),
-        Node::Primitive { shape, .. } => shape.bounds(),
+        Node::Primitive(primitive) => solid_bounds(&primitive.solid),
         Node::Transform {
             child,
             parent_from_child,
@@ -73,23 +74,28 @@ impl Leaf {
     fn bounds_in(&self, tree_from_frame: &DAffine3) -> Aabb {
         let local_from_frame = self.local_from_frame * *tree_from_frame;
         match &self.source {
-            Source::Primitive {
-                shape: Shape::HalfSpace(plane),
-                ..
-            } => clip(&Aabb::ALL, &FramePlane::from(plane).moved(&local_from_frame)),
-            _ => self.local_bounds.transformed(&local_from_frame.inverse()),
+            Source::Primitive(placed) => match placed.as_half_space() {
+                Some(plane) => clip(&Aabb::ALL, &FramePlane::from(&plane).moved(&local_from_frame)),
+                None => self.local_bounds.transformed(&local_from_frame.inverse()),
+            },
+            Source::Volume(_) => self.local_bounds.transformed(&local_from_frame.inverse()),
         }
     }
 }
 
-impl Shape {
-    /// The box of the shape in its own frame.
-    pub fn bounds(&self) -> Aabb {
-        match self {
-            Self::Sphere { center, radius } => Aabb::new(*center, *center).expand(DVec3::splat(*radius)),
-            Self::Box(bounds) => *bounds,
-            Self::HalfSpace(plane) => clip(&Aabb::ALL, &FramePlane::from(plane)),
-        }
+/// The box of a solid in its own frame.
+fn solid_bounds(solid: &Solid) -> Aabb {
+    match solid {
+        Solid::HalfSpace(plane) => clip(&Aabb::ALL, &FramePlane::from(plane)),
+        _ => solid.bounds(),
+    }
+}
+
+/// A box of its own frame outside which a primitive is nothing.
+pub(super) fn placed_bounds(placed: &Placed) -> Aabb {
+    match placed.as_half_space() {
+        Some(plane) => clip(&Aabb::ALL, &FramePlane::from(&plane)),
+        None => placed.local_bounds(),
     }
 }
 
@@ -145,7 +151,8 @@ fn edges() -> impl Iterator<Item = (usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Plane;
+    use crate::math::Plane;
+    use glam::DVec3;
     use proptest::prelude::*;
 
     proptest! {

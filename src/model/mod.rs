@@ -7,6 +7,6 @@ mod prune;
 mod tree;
 
 pub use combine::Operator;
-pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, Plane, Shape, ValueMap, ValueRule, VolumeLeaf};
+pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 pub use prune::{Boundary, Pruned};
 pub use tree::{FramePlane, Leaf, Source, Step, Tree, TreeError};

@@ -9,10 +9,11 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
-use crate::math::{Aabb, Interval};
+use crate::math::{Interval, Plane};
 use crate::volume::Bricks;
+use crate::voxelize::Primitive;
 
 /// The place of a node in its [`Model`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -23,41 +24,6 @@ impl NodeId {
     pub fn index(self) -> usize {
         self.0 as usize
     }
-}
-
-/// An oriented plane. Its normal points to what is taken away: a point is kept where
-/// `normal · p + offset ≤ 0` (VCSG §2.2 with the sign chosen so that cuts and half-spaces have outward normals).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// Unit normal, in the frame of the node's child.
-    pub normal: DVec3,
-    /// Signed distance of the origin, millimetres.
-    pub offset: f64,
-}
-
-impl Plane {
-    /// The plane through `point` with outward `normal` (any length above 0), or `None` for a zero or non-finite normal.
-    pub fn through(point: DVec3, normal: DVec3) -> Option<Self> {
-        let normal = normal.try_normalize()?;
-        let offset = -normal.dot(point);
-        offset.is_finite().then_some(Self { normal, offset })
-    }
-}
-
-/// A crisp geometric primitive, in millimetres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
-    /// A ball.
-    Sphere {
-        /// Its middle.
-        center: DVec3,
-        /// Its radius, above 0.
-        radius: f64,
-    },
-    /// An axis-aligned box.
-    Box(Aabb),
-    /// Everything on the kept side of a plane.
-    HalfSpace(Plane),
 }
 
 /// A function of one value (VCSG §2.2, *transfering*).
@@ -159,13 +125,8 @@ pub struct Combine {
 pub enum Node {
     /// A scan.
     Volume(VolumeLeaf),
-    /// A crisp primitive of constant value.
-    Primitive {
-        /// Its geometry.
-        shape: Shape,
-        /// Its value.
-        value: f32,
-    },
+    /// A geometric primitive.
+    Primitive(Primitive),
     /// The child moved by an invertible affine map, mirror and shear included.
     Transform {
         /// What is moved.
@@ -195,7 +156,7 @@ impl Node {
     /// The node's children, first operand first.
     pub fn children(&self) -> impl Iterator<Item = NodeId> {
         let (first, second) = match self {
-            Self::Volume(_) | Self::Primitive { .. } => (None, None),
+            Self::Volume(_) | Self::Primitive(_) => (None, None),
             Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
                 (Some(*child), None)
             }
@@ -208,7 +169,7 @@ impl Node {
     pub fn with_children(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
         let mut node = self.clone();
         match &mut node {
-            Self::Volume(_) | Self::Primitive { .. } => {}
+            Self::Volume(_) | Self::Primitive(_) => {}
             Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
                 *child = new(*child)
             }
@@ -221,14 +182,13 @@ impl Node {
 /// A VCSG tree (or, where a node has two parents, a directed acyclic graph): nodes in post-order, the last one the root.
 ///
 /// ```
-/// use vcsg::model::{Model, Node, Shape};
+/// use vcsg::model::{Model, Node};
+/// use vcsg::voxelize::{Primitive, Solid};
 /// use glam::DVec3;
 ///
 /// let mut model = Model::default();
-/// let ball = model.push(Node::Primitive {
-///     shape: Shape::Sphere { center: DVec3::ZERO, radius: 10.0 },
-///     value: 100.0,
-/// });
+/// let solid = Solid::Sphere { center: DVec3::ZERO, radius: 10.0 };
+/// let ball = model.push(Node::Primitive(Primitive::soft(solid, 100.0)));
 /// assert_eq!(model.root(), Some(ball));
 /// ```
 #[derive(Clone, Debug, Default)]

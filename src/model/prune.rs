@@ -11,7 +11,7 @@
 use glam::DVec3;
 
 use super::tree::Leaf;
-use super::{BooleanOp, Operator, Shape, Source, Step, Tree, ValueRule};
+use super::{BooleanOp, Operator, Source, Step, Tree, ValueRule};
 use crate::math::{Aabb, Interval, Overlap, affine};
 use crate::volume::SampleRange;
 
@@ -126,8 +126,10 @@ impl Pruner<'_> {
         self.crossed |= overlap == Overlap::Partial;
         let leaf = self.tree.leaf(index);
         let mut range = leaf.range(&self.block.transformed(&leaf.local_from_frame));
-        if overlap == Overlap::Partial {
-            range.coverage.lo = 0.0;
+        match (overlap, &leaf.source) {
+            (Overlap::Partial, _) => range.coverage.lo = 0.0,
+            (_, Source::Primitive(_)) => range.coverage = Interval::point(1.0),
+            (_, Source::Volume(_)) => {}
         }
         self.push(range, step);
     }
@@ -285,7 +287,7 @@ impl Leaf {
         let hull = hull.expand(margin);
         match &self.source {
             Source::Volume(_) => hull.overlap(&self.local_bounds),
-            Source::Primitive { shape, .. } => shape.overlap(&hull),
+            Source::Primitive(placed) => placed.overlap(&hull, margin.x),
         }
     }
 
@@ -295,7 +297,8 @@ impl Leaf {
         let inside = self.local_bounds.contains(local)
             && match &self.source {
                 Source::Volume(_) => true,
-                Source::Primitive { shape, value } => shape.sample(local, *value).coverage > 0.0,
+                // Half covered is inside: a soft surface lies where its solid's does.
+                Source::Primitive(placed) => placed.coverage(local) >= 0.5,
             };
         if inside { Overlap::Inside } else { Overlap::Outside }
     }
@@ -315,34 +318,10 @@ impl Leaf {
                     coverage: Interval::new(if all { 1.0 } else { 0.0 }, 1.0),
                 }
             }
-            Source::Primitive { value, .. } => SampleRange {
-                value: Interval::point(*value),
-                coverage: Interval::point(1.0),
+            Source::Primitive(placed) => SampleRange {
+                value: Interval::point(placed.value()),
+                coverage: placed.coverage_range(local),
             },
-        }
-    }
-}
-
-impl Shape {
-    /// Where `hull`, a box of the shape's frame, lies with respect to the shape.
-    fn overlap(&self, hull: &Aabb) -> Overlap {
-        match self {
-            Self::Box(bounds) => hull.overlap(bounds),
-            Self::HalfSpace(plane) => side(&hull.corners().map(|c| plane.distance(c))),
-            Self::Sphere { center, radius } => {
-                let nearest = center.clamp(hull.min, hull.max).distance(*center);
-                let farthest = hull
-                    .corners()
-                    .into_iter()
-                    .fold(0.0f64, |far, c| far.max(c.distance(*center)));
-                if nearest > *radius {
-                    Overlap::Outside
-                } else if farthest < *radius {
-                    Overlap::Inside
-                } else {
-                    Overlap::Partial
-                }
-            }
         }
     }
 }

@@ -9,9 +9,11 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::{Combine, Model, Node, NodeId, Operator, Plane, Shape, ValueMap, VolumeLeaf};
-use crate::math::{Aabb, Interval, affine};
+use super::bounds::placed_bounds;
+use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
+use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::Sample;
+use crate::voxelize::Placed;
 
 /// One step of a flattened tree: pushes a sample, or replaces those on top of the stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,13 +35,8 @@ pub enum Step {
 pub enum Source {
     /// Voxels; the local frame is the volume's index space.
     Volume(VolumeLeaf),
-    /// Geometry of one value; the local frame is the node's.
-    Primitive {
-        /// Its shape.
-        shape: Shape,
-        /// Its value.
-        value: f32,
-    },
+    /// Geometry of one value; the local frame is the node's, or the world where that shows it better.
+    Primitive(Placed),
 }
 
 /// A leaf and where it is.
@@ -62,6 +59,12 @@ pub struct FramePlane {
     pub normal: DVec3,
     /// Signed distance (millimetres) at the frame's origin.
     pub offset: f64,
+}
+
+/// Where and how finely a model is sampled.
+struct Sampling {
+    world_from_frame: DAffine3,
+    voxel_mm: f64,
 }
 
 /// A model flattened in one frame.
@@ -87,19 +90,6 @@ pub enum TreeError {
     /// A transform that flattens space.
     #[error("a transform cannot be undone: its matrix is singular or not finite; scale by numbers other than 0")]
     Singular,
-}
-
-impl Plane {
-    /// Signed distance of `p`, above 0 on the side that is taken away.
-    #[inline]
-    pub fn distance(&self, p: DVec3) -> f64 {
-        linear(self.normal, self.offset, p)
-    }
-}
-
-#[inline]
-fn linear(normal: DVec3, offset: f64, p: DVec3) -> f64 {
-    normal.x * p.x + (normal.y * p.y + (normal.z * p.z + offset))
 }
 
 impl From<&Plane> for FramePlane {
@@ -146,7 +136,7 @@ impl Leaf {
     pub fn sample_inside(&self, local: DVec3) -> Sample {
         match &self.source {
             Source::Volume(leaf) => leaf.admit(leaf.bricks.sample_index(local)),
-            Source::Primitive { shape, value } => shape.sample(local, *value),
+            Source::Primitive(placed) => placed.sample(local),
         }
     }
 }
@@ -168,28 +158,28 @@ impl VolumeLeaf {
     }
 }
 
-impl Shape {
-    /// The shape at `p` in its own frame: `value` inside, nothing outside.
-    #[inline]
-    pub fn sample(&self, p: DVec3, value: f32) -> Sample {
-        let inside = match self {
-            Self::Sphere { center, radius } => p.distance_squared(*center) <= radius * radius,
-            Self::Box(bounds) => bounds.contains(p),
-            Self::HalfSpace(plane) => plane.distance(p) <= 0.0,
-        };
-        if inside { Sample::solid(value) } else { Sample::EMPTY }
-    }
-}
-
 impl Tree {
     /// The most nodes that a tree may have once shared subtrees are written out.
     pub const MAX_STEPS: usize = 4_000_000;
 
-    /// Flattens `model` for points of a frame placed by `world_from_frame`.
+    /// Flattens `model` for points of a lattice placed by `world_from_lattice`. Filters are as wide as its largest spacing asks.
     ///
     /// # Errors
     /// If shared subtrees multiply out to more than [`Self::MAX_STEPS`] nodes, or a transform cannot be undone.
-    pub fn new(model: &Model, world_from_frame: &DAffine3) -> Result<Self, TreeError> {
+    pub fn new(model: &Model, world_from_lattice: &DAffine3) -> Result<Self, TreeError> {
+        let voxel_mm = affine::spacing(world_from_lattice).max_element();
+        Self::flattened(model, world_from_lattice, voxel_mm)
+    }
+
+    /// Flattens `model` for points of the world, with filters for voxels `voxel_mm` apart; 0 makes all surfaces crisp.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn in_world(model: &Model, voxel_mm: f64) -> Result<Self, TreeError> {
+        Self::flattened(model, &DAffine3::IDENTITY, voxel_mm)
+    }
+
+    fn flattened(model: &Model, world_from_frame: &DAffine3, voxel_mm: f64) -> Result<Self, TreeError> {
         if written_out(model) > Self::MAX_STEPS {
             return Err(TreeError::TooLarge);
         }
@@ -197,6 +187,10 @@ impl Tree {
             return Err(TreeError::Singular);
         }
         let mut tree = Self::default();
+        let sampling = Sampling {
+            world_from_frame: *world_from_frame,
+            voxel_mm,
+        };
         // A node waits on the stack twice: to have its children visited, then to be written behind them.
         let mut pending: Vec<Visit> = model
             .root()
@@ -205,7 +199,7 @@ impl Tree {
             .collect();
         while let Some(visit) = pending.pop() {
             if visit.children_done {
-                tree.write(model.node(visit.id), &visit.node_from_frame);
+                tree.write(model.node(visit.id), &visit.node_from_frame, &sampling);
             } else {
                 visit.expand(model, &mut pending);
             }
@@ -213,7 +207,7 @@ impl Tree {
         Ok(tree)
     }
 
-    fn write(&mut self, node: &Node, node_from_frame: &DAffine3) {
+    fn write(&mut self, node: &Node, node_from_frame: &DAffine3, sampling: &Sampling) {
         match node {
             Node::Volume(leaf) => {
                 let index_from_world = leaf.bricks.world_from_index().inverse();
@@ -224,14 +218,13 @@ impl Tree {
                     leaf.bricks.index_bounds(),
                 ));
             }
-            Node::Primitive { shape, value } => self.push_leaf(Leaf::new(
-                Source::Primitive {
-                    shape: *shape,
-                    value: *value,
-                },
-                *node_from_frame,
-                shape.bounds(),
-            )),
+            Node::Primitive(primitive) => {
+                let world_from_node = sampling.world_from_frame * node_from_frame.inverse();
+                let placed = primitive.placed(&world_from_node, sampling.voxel_mm);
+                let local_from_frame = placed.local_from_world * sampling.world_from_frame;
+                let bounds = placed_bounds(&placed);
+                self.push_leaf(Leaf::new(Source::Primitive(placed), local_from_frame, bounds));
+            }
             Node::Transform { .. } => {}
             Node::Transfer { map, .. } => {
                 self.steps.push(Step::Map(self.maps.len() as u32));

@@ -142,6 +142,11 @@ impl<'a> Element<'a> {
         self.node.entries().iter().find(is_key)
     }
 
+    /// Whether nodes of this kind may have property `key`.
+    pub fn allows(&self, key: &str) -> bool {
+        self.rule.properties.contains(&key)
+    }
+
     /// Property `key`, if it is there.
     pub fn get(&self, key: &'static str) -> Option<Value<'a>> {
         self.find(key).map(|entry| Value {

@@ -11,6 +11,8 @@ pub(super) enum Children {
     ShapesAndTable,
     /// Control points.
     Points,
+    /// The corners of a solid.
+    Corners,
 }
 
 /// One kind of node.
@@ -41,7 +43,7 @@ const fn rule(
     }
 }
 
-use Children::{None as Leaf, Points, Shapes, ShapesAndTable};
+use Children::{Corners, None as Leaf, Points, Shapes, ShapesAndTable};
 
 /// Nodes at the top of a file.
 pub(super) const TOP: &[Rule] = &[
@@ -118,23 +120,105 @@ pub(super) const SHAPES: &[Rule] = &[
     rule(
         "sphere",
         0,
-        &["center", "radius", "value"],
+        &["center", "radius", "value", "filter", "shell"],
         Leaf,
         "sphere radius=20 center=\"0 0 0\"",
     ),
     rule(
+        "ellipsoid",
+        0,
+        &["center", "radii", "value", "filter", "shell"],
+        Leaf,
+        "ellipsoid radii=\"30 20 10\"",
+    ),
+    rule(
         "box",
         0,
-        &["min", "max", "value"],
+        &["min", "max", "round", "value", "filter", "shell"],
         Leaf,
         "box min=\"-1 -1 -1\" max=\"1 1 1\"",
     ),
     rule(
         "half-space",
         0,
-        &["point", "normal", "value"],
+        &["point", "normal", "value", "filter", "shell"],
         Leaf,
         "half-space point=\"0 0 0\" normal=\"0 0 1\"",
+    ),
+    rule(
+        "cylinder",
+        0,
+        &["from", "to", "radius", "value", "filter", "shell"],
+        Leaf,
+        "cylinder radius=6 from=\"0 0 -40\" to=\"0 0 60\"",
+    ),
+    rule(
+        "cone",
+        0,
+        &["from", "to", "radius", "top-radius", "value", "filter", "shell"],
+        Leaf,
+        "cone radius=20 from=\"0 0 0\" to=\"0 0 40\"",
+    ),
+    rule(
+        "capsule",
+        0,
+        &["from", "to", "radius", "value", "filter", "shell"],
+        Leaf,
+        "capsule radius=5 from=\"0 0 0\" to=\"0 0 30\"",
+    ),
+    rule(
+        "prism",
+        0,
+        &["from", "to", "radius", "sides", "value", "filter", "shell"],
+        Leaf,
+        "prism sides=6 radius=10 from=\"0 0 0\" to=\"0 0 8\"",
+    ),
+    rule(
+        "torus",
+        0,
+        &["center", "axis", "radius", "tube", "value", "filter", "shell"],
+        Leaf,
+        "torus radius=20 tube=5",
+    ),
+    rule(
+        "helix",
+        0,
+        &["center", "axis", "radius", "tube", "pitch", "turns", "value", "filter"],
+        Leaf,
+        "helix radius=20 tube=2 pitch=8 turns=5",
+    ),
+    rule(
+        "thread",
+        0,
+        &[
+            "center", "axis", "radius", "depth", "angle", "pitch", "turns", "value", "filter",
+        ],
+        Leaf,
+        "thread radius=10 depth=2 pitch=3 turns=8",
+    ),
+    rule(
+        "polyhedron",
+        0,
+        &["value", "filter", "shell"],
+        Corners,
+        "polyhedron { corner \"0 0 0\"; … }",
+    ),
+    rule(
+        "waves",
+        0,
+        &[
+            "center",
+            "axis",
+            "size",
+            "depth",
+            "amplitude",
+            "wavelength-x",
+            "wavelength-y",
+            "value",
+            "filter",
+        ],
+        Leaf,
+        "waves size=\"80 80\" depth=8 amplitude=3 wavelength-x=20",
     ),
     rule("union", 0, &["rule", "family"], Shapes, "union { … }"),
     rule("intersect", 0, &["rule", "family"], Shapes, "intersect { … }"),
@@ -190,6 +274,14 @@ pub(super) const SHAPES: &[Rule] = &[
         Shapes,
         "cut point=\"0 0 0\" normal=\"0 1 0\" { … }",
     ),
+    rule("complement", 0, &["family", "value"], Shapes, "complement { … }"),
+    rule(
+        "repeat",
+        0,
+        &["count", "by", "axis", "angle", "center", "rule", "family"],
+        Shapes,
+        "repeat count=12 angle=30 { … }",
+    ),
     rule("define", 1, &[], Shapes, "define \"name\" { … }"),
     rule("use", 1, &[], Leaf, "use \"name\""),
     rule("include", 1, &[], Leaf, "include \"other.kdl\""),
@@ -207,6 +299,9 @@ pub(super) const POINT: &[Rule] = &[rule(
     "point 300 opacity=0.2 color=\"#f0e0d0\"",
 )];
 
+/// A corner of a polyhedron.
+pub(super) const CORNER: &[Rule] = &[rule("corner", 1, &[], Leaf, "corner \"0 0 10\"")];
+
 /// The groups of rules that hold among the children of a node.
 pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
     match children {
@@ -214,6 +309,7 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::Shapes => &[SHAPES],
         Children::ShapesAndTable => &[SHAPES, AT],
         Children::Points => &[POINT],
+        Children::Corners => &[CORNER],
     }
 }
 
@@ -225,7 +321,7 @@ mod tests {
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
         let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
-        for rule in [TOP, SHAPES, AT, POINT].into_iter().flatten() {
+        for rule in [TOP, SHAPES, AT, POINT, CORNER].into_iter().flatten() {
             assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
             for property in rule.properties {
                 assert!(documented(property, &['`', '=']), "{} of {}", property, rule.name);

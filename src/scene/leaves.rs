@@ -1,4 +1,4 @@
-//! Leaf nodes: volumes and primitives.
+//! Volume nodes, and planes.
 
 use std::path::Path;
 
@@ -7,44 +7,12 @@ use glam::{DAffine3, DVec3};
 use super::element::{Element, Value};
 use super::error::{Problem, SceneError};
 use super::loader::VolumeRequest;
-use crate::math::{Aabb, Interval};
-use crate::model::{Plane, Shape};
+use crate::math::{Interval, Plane};
 use crate::volume::VoxelType;
 use crate::volume::io::ByteOrder;
 use crate::volume::io::raw::RawLayout;
 
 type Result<T> = std::result::Result<T, SceneError>;
-
-/// The geometry of a primitive, or `None` for another kind of node.
-///
-/// # Errors
-/// If a value is missing or wrong.
-pub(super) fn primitive(element: &Element) -> Result<Option<Shape>> {
-    Ok(Some(match element.name() {
-        "sphere" => Shape::Sphere {
-            center: element.get("center").map_or(Ok(DVec3::ZERO), |v| v.vector())?,
-            radius: element.require("radius")?.positive()?,
-        },
-        "box" => Shape::Box(solid_box(element)?),
-        "half-space" => Shape::HalfSpace(plane(element)?),
-        _ => return Ok(None),
-    }))
-}
-
-/// A primitive's `value`, 1 unless said.
-pub(super) fn primitive_value(element: &Element) -> Result<f32> {
-    element.get("value").map_or(Ok(1.0), |v| v.single())
-}
-
-fn solid_box(element: &Element) -> Result<Aabb> {
-    let (min, max) = (element.require("min")?, element.require("max")?);
-    let solid = Aabb::new(min.vector()?, max.vector()?);
-    if solid.min.cmplt(solid.max).all() {
-        Ok(solid)
-    } else {
-        Err(max.bad("above `min` on each axis"))
-    }
-}
 
 /// The plane of a cut or a half-space: through `point` (the origin unless said), `normal` outwards.
 pub(super) fn plane(element: &Element) -> Result<Plane> {

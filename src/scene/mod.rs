@@ -29,6 +29,7 @@ mod leaves;
 mod loader;
 mod maps;
 mod options;
+mod primitives;
 mod source;
 mod suggest;
 mod surface;

@@ -27,6 +27,15 @@ pub(super) fn parent_from_child(element: &Element) -> Result<Option<DAffine3>, S
     }
 }
 
+/// The step of a `repeat` node: a turn about its centre, then a shift.
+pub(super) fn step(element: &Element) -> Result<DAffine3, SceneError> {
+    let shift = element.get("by").map_or(Ok(DVec3::ZERO), |v| v.vector())?;
+    let axis = element.get("axis").map_or(Ok(DVec3::Z), |v| v.direction())?;
+    let angle_deg = element.get("angle").map_or(Ok(0.0), |v| v.number())?;
+    let turn = DMat3::from_axis_angle(axis, angle_deg.to_radians());
+    Ok(DAffine3::from_translation(shift) * about_center(element, turn)?)
+}
+
 fn rotation(element: &Element) -> Result<DAffine3, SceneError> {
     let axis = element.require("axis")?.direction()?;
     let angle_deg = element.require("angle")?.number()?;

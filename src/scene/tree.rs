@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::DAffine3;
 use kdl::KdlDocument;
 
 use super::element::Element;
@@ -18,10 +19,12 @@ use super::guard::{MAX_BYTES, MAX_DEPTH};
 use super::leaves;
 use super::loader::{VolumeLoader, VolumeRequest};
 use super::maps;
+use super::primitives;
 use super::source::Source;
 use super::transforms;
-use crate::model::{BooleanOp, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
+use crate::model::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use crate::volume::Bricks;
+use crate::voxelize::{Primitive, Solid};
 
 type Result<T> = std::result::Result<T, SceneError>;
 
@@ -90,6 +93,8 @@ impl<'l> TreeBuilder<'l> {
             "include" => self.include(element, scope),
             "union" | "intersect" | "subtract" | "overlay" => self.combined(element, scope),
             "map" => self.mapped(element, scope),
+            "complement" => self.complement(element, scope),
+            "repeat" => self.repeated(element, scope),
             "cut" => {
                 let plane = leaves::plane(&element)?;
                 let child = self.united(element, scope)?;
@@ -100,9 +105,8 @@ impl<'l> TreeBuilder<'l> {
     }
 
     fn primitive_or_transform(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
-        if let Some(shape) = leaves::primitive(&element)? {
-            let value = leaves::primitive_value(&element)?;
-            return Ok(self.model.push(Node::Primitive { shape, value }));
+        if let Some(placed) = primitives::primitive(&element)? {
+            return Ok(self.placed(placed));
         }
         let map = transforms::parent_from_child(&element)?;
         let child = self.united(element, scope)?;
@@ -113,6 +117,52 @@ impl<'l> TreeBuilder<'l> {
             }),
             None => child,
         })
+    }
+
+    fn placed(&mut self, placed: primitives::PlacedPrimitive) -> NodeId {
+        let child = self.model.push(Node::Primitive(placed.primitive));
+        let parent_from_child = placed.parent_from_local;
+        if parent_from_child == DAffine3::IDENTITY {
+            return child;
+        }
+        self.model.push(Node::Transform {
+            child,
+            parent_from_child,
+        })
+    }
+
+    /// Everything but the child.
+    fn complement(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let everything = Primitive::crisp(Solid::Everything, primitives::value(&element)?);
+        let first = self.model.push(Node::Primitive(everything));
+        let (op, rule, family) = (BooleanOp::Subtraction, ValueRule::First, family(&element)?);
+        let second = self.united(element, scope)?;
+        Ok(self.model.push(Node::Combine(Combine {
+            op,
+            rule,
+            family,
+            first,
+            second,
+        })))
+    }
+
+    /// The child again and again, each time moved on by the same step (WK94, *sweeping*).
+    fn repeated(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let step = transforms::step(&element)?;
+        let count = element.require("count")?.whole(1, 100_000)?;
+        let (rule, family) = (value_rule(&element, ValueRule::First)?, family(&element)?);
+        let child = self.united(element, scope)?;
+        let mut copies = vec![child];
+        let mut parent_from_child = DAffine3::IDENTITY;
+        for _ in 1..count {
+            parent_from_child = step * parent_from_child;
+            copies.push(self.model.push(Node::Transform {
+                child,
+                parent_from_child,
+            }));
+        }
+        let folded = self.model.fold(BooleanOp::Union, rule, family, copies);
+        Ok(folded.unwrap_or(child))
     }
 
     fn volume(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
@@ -145,10 +195,7 @@ impl<'l> TreeBuilder<'l> {
             BooleanOp::SubtractionWithRule => value_rule(&element, ValueRule::Second)?,
             _ => value_rule(&element, ValueRule::First)?,
         };
-        let families = [("minmax", Family::MinMax), ("product", Family::Product)];
-        let family = element
-            .get("family")
-            .map_or(Ok(Family::default()), |v| v.one_of(&families))?;
+        let family = family(&element)?;
         let operands = self.children(element, scope)?;
         let too_few = || {
             let (node, found) = (element.name(), operands.len());
@@ -271,6 +318,14 @@ const RULES: &[(&str, ValueRule)] = &[
     ("product", ValueRule::Product),
     ("average", ValueRule::Average),
 ];
+
+/// Property `family`.
+fn family(element: &Element) -> Result<Family> {
+    let families = [("minmax", Family::MinMax), ("product", Family::Product)];
+    element
+        .get("family")
+        .map_or(Ok(Family::default()), |v| v.one_of(&families))
+}
 
 /// Property `rule`: a name, or `"blend T"` with T in [0, 1].
 fn value_rule(element: &Element, default: ValueRule) -> Result<ValueRule> {

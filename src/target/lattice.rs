@@ -7,8 +7,9 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::TargetError;
 use crate::math::{Aabb, affine};
-use crate::model::{Source, Tree};
+use crate::model::{Model, Source, Tree};
 
 /// A regular lattice in the world; voxel `(i, j, k)` has its centre at lattice point `(i, j, k)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,11 +56,29 @@ impl Lattice {
     /// A volume's lattice serves a whole scene only while its spacings differ by no more than this.
     const MAX_ANISOTROPY: f64 = 2.5;
 
+    /// The lattice of a model: axis-aligned at `spacing_mm` when that is given, else as the module head says. It holds what
+    /// soft surfaces add to a model when they are sampled on it.
+    ///
+    /// # Errors
+    /// If the model cannot be flattened, is empty or unbounded, or the spacing impossible.
+    pub fn of_model(model: &Model, spacing_mm: Option<f64>) -> Result<Self, TargetError> {
+        // How far soft surfaces reach depends on the spacing, which the solids decide.
+        let crisp = Tree::in_world(model, 0.0)?;
+        let voxel_mm = Self::of_tree(&crisp, spacing_mm)?.spacing_mm().max_element();
+        let soft = Tree::in_world(model, voxel_mm)?;
+        let has_volume = soft
+            .leaves()
+            .iter()
+            .any(|leaf| matches!(leaf.source, Source::Volume(_)));
+        let spacing_mm = if has_volume { spacing_mm } else { Some(voxel_mm) };
+        Ok(Self::of_tree(&soft, spacing_mm)?)
+    }
+
     /// The lattice of a model, flattened in the world: axis-aligned at `spacing_mm` when that is given, else as the module head says.
     ///
     /// # Errors
     /// If the model is empty or unbounded, or the spacing impossible.
-    pub fn of_tree(tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
+    fn of_tree(tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
         let bounds = tree.bounds_in(&DAffine3::IDENTITY);
         if bounds.is_empty() {
             return Err(LatticeError::Empty);
@@ -211,8 +230,10 @@ mod tests {
 
     use super::*;
     use crate::math::Interval;
-    use crate::model::{Model, Node, Plane, Shape, VolumeLeaf};
+    use crate::math::Plane;
+    use crate::model::{Model, Node, VolumeLeaf};
     use crate::volume::{Bricks, Grid, Voxels};
+    use crate::voxelize::{Primitive, Solid};
 
     /// A volume of 6 · 5 · 4 voxels, turned and stretched in the world.
     fn oblique() -> Node {
@@ -228,15 +249,15 @@ mod tests {
         })
     }
 
-    fn lattice(model: &Model) -> Result<Lattice, LatticeError> {
-        Lattice::of_tree(&Tree::new(model, &DAffine3::IDENTITY).expect("a tree"), None)
+    fn lattice(model: &Model) -> Option<Lattice> {
+        Lattice::of_model(model, None).ok()
     }
 
     #[test]
     fn an_oblique_volume_keeps_its_lattice() {
         let mut model = Model::default();
         model.push(oblique());
-        assert_eq!(lattice(&model).map(|l| l.dims), Ok([6, 5, 4]));
+        assert_eq!(lattice(&model).map(|l| l.dims), Some([6, 5, 4]));
     }
 
     #[test]
@@ -248,7 +269,7 @@ mod tests {
             child,
             parent_from_child,
         });
-        assert_eq!(lattice(&model).map(|l| l.dims), Ok([6, 5, 4]));
+        assert_eq!(lattice(&model).map(|l| l.dims), Some([6, 5, 4]));
     }
 
     #[test]
@@ -256,8 +277,8 @@ mod tests {
         let mut model = Model::default();
         let across = |axis: DVec3| Plane::through(DVec3::ZERO, axis).expect("a plane");
         let sides = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z].map(|axis| {
-            let shape = Shape::HalfSpace(across(axis));
-            let child = model.push(Node::Primitive { shape, value: 1.0 });
+            let solid = Solid::HalfSpace(across(axis));
+            let child = model.push(Node::Primitive(Primitive::crisp(solid, 1.0)));
             let parent_from_child = DAffine3::from_translation(5.0 * axis);
             model.push(Node::Transform {
                 child,

@@ -10,7 +10,7 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Block, Cube, Lattice, Layout};
@@ -123,8 +123,7 @@ impl Target {
     /// # Errors
     /// If the model has no lattice, cannot be flattened, or its blocks exceed the budget.
     pub fn build(model: &Model, spacing_mm: Option<f64>, subdivision: &Subdivision) -> Result<Self, TargetError> {
-        let world_tree = Tree::new(model, &DAffine3::IDENTITY)?;
-        let lattice = Lattice::of_tree(&world_tree, spacing_mm)?;
+        let lattice = Lattice::of_model(model, spacing_mm)?;
         Self::on_lattice(model, lattice, subdivision)
     }
 
@@ -137,13 +136,12 @@ impl Target {
         spacing_mm: Option<f64>,
         subdivision: &Subdivision,
     ) -> Result<Self, TargetError> {
-        let world_tree = Tree::new(model, &DAffine3::IDENTITY)?;
-        let mut lattice = Lattice::of_tree(&world_tree, spacing_mm)?;
+        let mut lattice = Lattice::of_model(model, spacing_mm)?;
         loop {
             match Self::on_lattice(model, lattice, subdivision) {
                 Err(TargetError::OverBudget { spacing_mm, .. }) if lattice.len() > FEWEST => {
                     let coarser = Some(spacing_mm * 2f64.cbrt());
-                    lattice = Lattice::of_tree(&world_tree, coarser)?;
+                    lattice = Lattice::of_model(model, coarser)?;
                 }
                 result => return result,
             }

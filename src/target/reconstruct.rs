@@ -168,8 +168,8 @@ impl Row {
     fn fill_inside(&mut self, leaf: &Leaf, x0: f64, y: f64, z: f64) {
         match &leaf.source {
             Source::Volume(_) => self.fill(leaf, 0..self.value.len(), x0, y, z),
-            Source::Primitive { value, .. } => {
-                self.value.fill(*value);
+            Source::Primitive(placed) => {
+                self.value.fill(placed.value());
                 self.coverage.fill(1.0);
             }
         }
@@ -206,11 +206,11 @@ impl Row {
                     (*v, *c) = (s.value, s.coverage);
                 }
             }
-            Source::Primitive { shape, value } => {
+            Source::Primitive(placed) => {
                 let row = affine::row(&leaf.local_from_frame, y, z);
                 for (n, (v, c)) in values.iter_mut().zip(coverages).enumerate() {
                     let local = affine::step(&leaf.local_from_frame, row, x + n as f64);
-                    let s = shape.sample(local, *value);
+                    let s = placed.sample(local);
                     (*v, *c) = (s.value, s.coverage);
                 }
             }

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use vcsg::math::Interval;
-use vcsg::model::{BooleanOp, Combine, Family, Model, Node, Plane, Shape, ValueRule, VolumeLeaf};
+use vcsg::math::{Interval, Plane};
+use vcsg::model::{BooleanOp, Combine, Family, Model, Node, ValueRule, VolumeLeaf};
 use vcsg::projection::{
     Camera, ControlPoint, DepthCue, FrameSpec, Light, Material, Mode, Projection, Settings, Shading, TransferFunction,
     View,
 };
 use vcsg::target::{Subdivision, Target};
 use vcsg::volume::{Bricks, Grid, VoxelType, Voxels};
+use vcsg::voxelize::{Primitive, Solid};
 
 use crate::random::Random;
 
@@ -109,13 +110,11 @@ impl Recipe {
         }));
         let bounds = model.bounds()[0];
         let (center, size) = (bounds.center(), bounds.size());
-        let ball = Node::Primitive {
-            shape: Shape::Sphere {
-                center: center + size * 0.3,
-                radius: size.min_element() * 0.4,
-            },
-            value: 150.0,
+        let ball = Solid::Sphere {
+            center: center + size * 0.3,
+            radius: size.min_element() * 0.4,
         };
+        let ball = Node::Primitive(Primitive::soft(ball, 150.0));
         let combine = |op, rule, first, second| {
             Node::Combine(Combine {
                 op,

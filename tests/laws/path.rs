@@ -202,15 +202,14 @@ fn a_path_without_its_last_step_is_seen() {
 /// Where arithmetic overflows, path and tree still agree.
 #[test]
 fn overflow_is_the_same_in_both() {
-    use vcsg::model::{BooleanOp, Family, Model, Node, Shape, ValueMap, ValueRule};
+    use vcsg::model::{BooleanOp, Family, Model, Node, ValueMap, ValueRule};
+    use vcsg::voxelize::{Primitive, Solid};
     let mut model = Model::default();
-    let ball = model.push(Node::Primitive {
-        shape: Shape::Sphere {
-            center: DVec3::ZERO,
-            radius: 5.0,
-        },
-        value: -3e38,
-    });
+    let ball = Solid::Sphere {
+        center: DVec3::ZERO,
+        radius: 5.0,
+    };
+    let ball = model.push(Node::Primitive(Primitive::crisp(ball, -3e38)));
     let map = ValueMap::Quadratic {
         a: 1.0,
         b: 0.0,

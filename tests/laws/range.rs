@@ -19,7 +19,7 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
             Step::LeafInside(i) => {
                 let leaf = tree.leaf(i);
                 match &leaf.source {
-                    Source::Primitive { value, .. } => Sample::solid(*value),
+                    Source::Primitive(placed) => Sample::solid(placed.value()),
                     Source::Volume(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, p)),
                 }
             }

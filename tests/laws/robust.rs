@@ -1,17 +1,15 @@
 //! Extreme models end in a small target or in an error that says what to do, soon.
 
 use glam::{DAffine3, DMat3, DVec3};
-use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Family, Model, Node, NodeId, Plane, Shape, Tree, TreeError, ValueRule};
+use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::{BooleanOp, Family, Model, Node, NodeId, Tree, TreeError, ValueRule};
 use vcsg::target::{Lattice, LatticeError, Subdivision, Target, TargetError};
+use vcsg::voxelize::{Primitive, Solid};
 
 use crate::support::parts::{Kind, Scan, Texture};
 
 fn sphere(center: DVec3, radius: f64) -> Node {
-    Node::Primitive {
-        shape: Shape::Sphere { center, radius },
-        value: 7.0,
-    }
+    Node::Primitive(Primitive::crisp(Solid::Sphere { center, radius }, 7.0))
 }
 
 fn model_of(node: Node) -> Model {
@@ -22,10 +20,7 @@ fn model_of(node: Node) -> Model {
 
 fn half_space(point: DVec3, normal: DVec3) -> Node {
     let plane = Plane::through(point, normal).expect("a normal");
-    Node::Primitive {
-        shape: Shape::HalfSpace(plane),
-        value: 1.0,
-    }
+    Node::Primitive(Primitive::crisp(Solid::HalfSpace(plane), 1.0))
 }
 
 fn one_voxel() -> Scan {
@@ -108,16 +103,13 @@ fn one_voxel_is_a_target() {
 
 #[test]
 fn impossible_lattices_are_refused() {
-    let flat = |shape: Shape| {
-        Target::build(
-            &model_of(Node::Primitive { shape, value: 1.0 }),
-            None,
-            &Subdivision::default(),
-        )
+    let flat = |solid: Solid| {
+        let node = Node::Primitive(Primitive::crisp(solid, 1.0));
+        Target::build(&model_of(node), None, &Subdivision::default())
     };
-    let point = Shape::Box(Aabb::new(DVec3::ONE, DVec3::ONE));
+    let point = Solid::Box(Aabb::new(DVec3::ONE, DVec3::ONE));
     assert!(matches!(flat(point), Err(TargetError::Lattice(_))));
-    let sheet = Shape::Box(Aabb::new(DVec3::ZERO, DVec3::new(5.0, 5.0, 0.0)));
+    let sheet = Solid::Box(Aabb::new(DVec3::ZERO, DVec3::new(5.0, 5.0, 0.0)));
     assert!(flat(sheet).is_ok());
     let ball = model_of(sphere(DVec3::ZERO, 1e3));
     for spacing_mm in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {

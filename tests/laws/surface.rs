@@ -4,10 +4,12 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use vcsg::model::{BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Plane, Shape, ValueRule};
+use vcsg::math::Plane;
+use vcsg::model::{BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, ValueRule};
 use vcsg::surface::{Mesh, Topology, extract_target, marching_cubes};
 use vcsg::target::{Subdivision, Target, VoxelTarget};
 use vcsg::volume::{Grid, Voxels};
+use vcsg::voxelize::{Primitive, Solid};
 
 use crate::support::cases;
 use crate::support::scenes::{scene, subdivision};
@@ -25,10 +27,10 @@ fn surface(target: &Target, iso: f64, topology: Topology) -> Mesh {
 }
 
 fn ball(model: &mut Model, center: DVec3, radius: f64) -> NodeId {
-    model.push(Node::Primitive {
-        shape: Shape::Sphere { center, radius },
-        value: 100.0,
-    })
+    model.push(Node::Primitive(Primitive::crisp(
+        Solid::Sphere { center, radius },
+        100.0,
+    )))
 }
 
 /// Every directed edge once, and its opposite once: closed, and each edge between two triangles.

@@ -6,7 +6,7 @@ use vcsg::math::{Aabb, affine};
 use vcsg::model::{Model, Tree};
 use vcsg::target::Lattice;
 
-use crate::support::scenes::{MAX_DIM, scene};
+use crate::support::scenes::{MAX_DIM, crisp_scene};
 use crate::support::truth::{self, Undecided};
 use crate::support::{cases, seeded};
 
@@ -43,7 +43,7 @@ proptest! {
     #![proptest_config(cases(200))]
 
     #[test]
-    fn the_tree_is_the_model(scene in scene(), points in points()) {
+    fn the_tree_is_the_model(scene in crisp_scene(), points in points()) {
         prop_assert!(scene.lattice.dims.iter().all(|&n| n <= MAX_DIM), "the tolerance holds up to there");
         let tree = Tree::new(&scene.model, &scene.lattice.world_from_lattice).expect("a small tree");
         let told: Vec<_> = points.iter().filter_map(|&p| agrees(&scene.model, &scene.lattice, &tree, p)).collect();
@@ -57,7 +57,7 @@ proptest! {
 fn nearly_all_points_are_decided_and_many_are_covered() {
     let (mut decided, mut covered) = (0, 0);
     for seed in 0..100 {
-        let (scene, points) = (seeded(&scene(), seed), seeded(&points(), seed));
+        let (scene, points) = (seeded(&crisp_scene(), seed), seeded(&points(), seed));
         let tree = Tree::new(&scene.model, &scene.lattice.world_from_lattice).expect("a small tree");
         for p in points {
             decided += usize::from(agrees(&scene.model, &scene.lattice, &tree, p).is_some());
@@ -72,7 +72,7 @@ fn nearly_all_points_are_decided_and_many_are_covered() {
 /// How many of some scenes show a mistake that `mutate` makes.
 fn seen(mutate: impl Fn(&mut Lattice)) -> usize {
     let shows = |seed: &u64| {
-        let (scene, points) = (seeded(&scene(), *seed), seeded(&points(), *seed));
+        let (scene, points) = (seeded(&crisp_scene(), *seed), seeded(&points(), *seed));
         let mut lattice = scene.lattice;
         mutate(&mut lattice);
         let tree = Tree::new(&scene.model, &lattice.world_from_lattice).expect("a small tree");

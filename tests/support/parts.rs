@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
-use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Family, Operator, Plane, Shape, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::{BooleanOp, Family, Operator, ValueMap, ValueRule, VolumeLeaf};
 use vcsg::volume::{Bricks, Grid, Voxels};
+use vcsg::voxelize::{Polyhedron, Primitive, Profile, Relief, RoundedBox, Solid, Thread, Waves};
 
 /// What fills a random volume.
 #[derive(Clone, Copy, Debug)]
@@ -127,12 +128,67 @@ pub fn plane() -> impl Strategy<Value = Plane> {
     (point(), direction()).prop_map(|(p, n)| Plane::through(p, n).expect("a unit normal"))
 }
 
-/// Primitives.
-pub fn shape() -> impl Strategy<Value = Shape> {
+/// Primitives whose coverage is 0 or 1, of the three solids that the second evaluation of a model knows.
+pub fn crisp() -> impl Strategy<Value = Primitive> {
+    let solid = prop_oneof![
+        (point(), 1.0f64..12.0).prop_map(|(center, radius)| Solid::Sphere { center, radius }),
+        (point(), point()).prop_map(|(a, b)| Solid::Box(Aabb::of_points([a, b]))),
+        plane().prop_map(Solid::HalfSpace),
+    ];
+    (solid, -100.0f32..150.0).prop_map(|(solid, value)| Primitive::crisp(solid, value))
+}
+
+/// Volume-sampled primitives of all kinds about the origin, some of them shells.
+pub fn soft() -> impl Strategy<Value = Primitive> {
+    let shell = prop_oneof![2 => Just(None), 1 => (0.5f64..4.0).prop_map(Some)];
+    (solid(), shell, 0.3f64..3.0, -100.0f32..150.0).prop_map(|(solid, shell, filter_voxels, value)| {
+        let whole = Primitive {
+            filter_voxels,
+            ..Primitive::soft(solid, value)
+        };
+        match shell {
+            Some(thickness) => whole.clone().shell(thickness).unwrap_or(whole),
+            None => whole,
+        }
+    })
+}
+
+/// Solids of every kind.
+pub fn solid() -> impl Strategy<Value = Solid> {
+    let size = || 0.6f64..10.0;
+    let (a, b, h) = (size(), size(), size());
+    let round = prop_oneof![
+        (size(), size()).prop_map(|(radius, height)| Profile::cylinder(radius, height)),
+        (a, b, h).prop_map(|(bottom, top, height)| Profile::frustum(bottom, top, height)),
+        (size(), size()).prop_map(|(radius, height)| Profile::frustum(radius, 0.0, height)),
+        (size(), 0.1f64..0.95).prop_map(|(ring, part)| Profile::torus(ring, ring * part)),
+        (size(), size()).prop_map(|(radius, length)| Profile::capsule(radius, length)),
+    ];
+    let waves = (size(), size(), 0.0f64..3.0, 4.0f64..20.0, 4.0f64..20.0);
+    let thread = (4.0f64..9.0, 0.1f64..0.3, 2.0f64..5.0, 0.4f64..3.0);
     prop_oneof![
-        (point(), 1.0f64..12.0).prop_map(|(center, radius)| Shape::Sphere { center, radius }),
-        (point(), point()).prop_map(|(a, b)| Shape::Box(Aabb::of_points([a, b]))),
-        plane().prop_map(Shape::HalfSpace),
+        2 => (point(), size()).prop_map(|(center, radius)| Solid::Sphere { center, radius }),
+        2 => (point(), [size(), size(), size()])
+            .prop_map(|(min, size)| Solid::Box(Aabb::new(min, min + DVec3::from(size)))),
+        1 => plane().prop_map(Solid::HalfSpace),
+        2 => (3usize..9, size(), size())
+            .prop_map(|(sides, radius, height)| Solid::Polyhedron(Polyhedron::prism(sides, radius, height))),
+        4 => round.prop_map(Solid::revolved),
+        1 => ([size(), size(), size()], 0.1f64..=1.0).prop_map(|(half, part)| {
+            let half = DVec3::from(half);
+            let radius = part * half.min_element();
+            Solid::Relief(Relief::RoundedBox(RoundedBox { half, radius }))
+        }),
+        1 => waves.prop_map(|(x, y, amplitude, wx, wy)| Solid::Relief(Relief::Waves(Waves {
+            size: DVec2::new(x, y) * 2.0,
+            depth: amplitude + 1.5,
+            amplitude,
+            wavelength: DVec2::new(wx, wy),
+        }))),
+        1 => thread.prop_map(|(ring, part, pitch, turns)| {
+            let profile = Profile::torus(ring, ring * part);
+            Solid::Thread(Thread::new(profile, pitch, turns).into())
+        }),
     ]
 }
 

@@ -4,11 +4,10 @@ use std::fmt;
 
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
-use vcsg::math::Aabb;
-use vcsg::model::{
-    BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Plane, Shape, Tree, ValueMap, ValueRule,
-};
+use vcsg::math::{Aabb, Plane};
+use vcsg::model::{BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Tree, ValueMap, ValueRule};
 use vcsg::target::{Lattice, Subdivision, Target};
+use vcsg::voxelize::{Primitive, Solid};
 
 use super::parts::{self, Scan};
 
@@ -16,7 +15,7 @@ use super::parts::{self, Scan};
 #[derive(Clone, Debug)]
 pub enum Part {
     Volume(Scan),
-    Primitive(Shape, f32),
+    Primitive(Primitive),
     Transform(Box<Part>, DAffine3),
     Transfer(Box<Part>, ValueMap),
     Cut(Box<Part>, Plane),
@@ -36,10 +35,7 @@ impl Builder {
     fn push(&mut self, part: &Part) -> NodeId {
         let node = match part {
             Part::Volume(scan) => Node::Volume(scan.leaf()),
-            Part::Primitive(shape, value) => Node::Primitive {
-                shape: *shape,
-                value: *value,
-            },
+            Part::Primitive(primitive) => Node::Primitive(primitive.clone()),
             Part::Transform(child, parent_from_child) => Node::Transform {
                 child: self.push(child),
                 parent_from_child: *parent_from_child,
@@ -66,13 +62,11 @@ impl Builder {
 }
 
 fn ball() -> Node {
-    Node::Primitive {
-        shape: Shape::Sphere {
-            center: DVec3::ZERO,
-            radius: 6.0,
-        },
-        value: 40.0,
-    }
+    let solid = Solid::Sphere {
+        center: DVec3::ZERO,
+        radius: 6.0,
+    };
+    Node::Primitive(Primitive::crisp(solid, 40.0))
 }
 
 fn combination(operator: Operator, first: NodeId, second: NodeId) -> Combine {
@@ -122,8 +116,8 @@ fn bounded(mut model: Model) -> Model {
     let (op, node) = if bounds.is_empty() || bounds.size().min_element() <= 0.0 {
         (BooleanOp::Union, ball())
     } else if !bounds.is_finite() {
-        let shape = Shape::Box(Aabb::new(DVec3::splat(-13.0), DVec3::splat(11.5)));
-        (BooleanOp::Intersection, Node::Primitive { shape, value: 1.0 })
+        let solid = Solid::Box(Aabb::new(DVec3::splat(-13.0), DVec3::splat(11.5)));
+        (BooleanOp::Intersection, Node::Primitive(Primitive::crisp(solid, 1.0)))
     } else {
         return model;
     };
@@ -140,7 +134,7 @@ pub const MAX_DIM: usize = 64;
 /// nothing is left of it.
 fn small_lattice(model: &Model) -> Lattice {
     let tree = Tree::new(model, &DAffine3::IDENTITY).expect("a small tree");
-    let own = Lattice::of_tree(&tree, None);
+    let own = Lattice::of_model(model, None);
     if let Ok(own) = own
         && own.len() <= 30_000
         && own.dims.iter().all(|&n| n <= MAX_DIM)
@@ -153,18 +147,33 @@ fn small_lattice(model: &Model) -> Lattice {
     Lattice::axis_aligned(&bounds, bounds.size().max_element() / 26.0).expect("a bounded model")
 }
 
-/// Random scenes: freely placed, or with all volumes on one lattice.
+/// Random scenes: freely placed, or with all volumes on one lattice; primitives are soft or crisp.
 pub fn scene() -> impl Strategy<Value = Scene> {
-    let free = tree(parts::placement().boxed(), true);
-    let aligned =
-        parts::placement().prop_flat_map(|frame| tree(parts::shift().prop_map(move |by| frame * by).boxed(), false));
+    scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed())
+}
+
+/// Random scenes in which coverage is 0 or 1.
+pub fn crisp_scene() -> impl Strategy<Value = Scene> {
+    scene_of(parts::crisp().boxed())
+}
+
+fn scene_of(primitive: BoxedStrategy<Primitive>) -> impl Strategy<Value = Scene> {
+    let free = tree(parts::placement().boxed(), primitive.clone(), true);
+    let aligned = parts::placement().prop_flat_map(move |frame| {
+        let placement = parts::shift().prop_map(move |by| frame * by).boxed();
+        tree(placement, primitive.clone(), false)
+    });
     prop_oneof![2 => free, 1 => aligned].prop_map(Scene::new)
 }
 
-fn tree(placement: BoxedStrategy<DAffine3>, transforms: bool) -> impl Strategy<Value = Part> {
+fn tree(
+    placement: BoxedStrategy<DAffine3>,
+    primitive: BoxedStrategy<Primitive>,
+    transforms: bool,
+) -> impl Strategy<Value = Part> {
     let leaf = prop_oneof![
         4 => parts::scan(placement).prop_map(Part::Volume),
-        3 => (parts::shape(), -100.0f32..150.0).prop_map(|(s, v)| Part::Primitive(s, v)),
+        3 => primitive.prop_map(Part::Primitive),
         1 => any::<prop::sample::Index>().prop_map(Part::Again),
     ];
     leaf.prop_recursive(5, 10, 2, move |part| {

@@ -6,8 +6,9 @@
 
 use glam::DVec3;
 use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Combine, Model, Node, NodeId, Shape, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::model::{BooleanOp, Combine, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 use vcsg::volume::Bricks;
+use vcsg::voxelize::Solid;
 
 /// How far a leaf's own coordinates in the tree may be from these, in its units. The tree snaps a map's entries by up to
 /// 1e-9: for lattice coordinates up to 64 that is 1e-9·(1 + 3·64) < 2e-7. The sampler rounds to 2⁻²⁴ voxel, 6e-8. Double
@@ -34,8 +35,8 @@ pub struct Undecided;
 pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
     match model.node(id) {
         Node::Volume(leaf) => volume(leaf, leaf.bricks.world_from_index().inverse().transform_point3(p)),
-        Node::Primitive { shape, value } => Ok(side(depth_within(shape, p))?.then_some(Bounded {
-            value: f64::from(*value),
+        Node::Primitive(crisp) => Ok(side(depth_within(&crisp.solid, p))?.then_some(Bounded {
+            value: f64::from(crisp.value),
             error: 0.0,
         })),
         Node::Transform {
@@ -63,11 +64,12 @@ fn side(depth: f64) -> Result<bool, Undecided> {
     Ok(depth > 0.0)
 }
 
-fn depth_within(shape: &Shape, p: DVec3) -> f64 {
-    match shape {
-        Shape::Sphere { center, radius } => radius - p.distance(*center),
-        Shape::Box(b) => depth_in_box(b, p),
-        Shape::HalfSpace(plane) => -(plane.normal.dot(p) + plane.offset),
+fn depth_within(solid: &Solid, p: DVec3) -> f64 {
+    match solid {
+        Solid::Sphere { center, radius } => radius - p.distance(*center),
+        Solid::Box(b) => depth_in_box(b, p),
+        Solid::HalfSpace(plane) => -(plane.normal.dot(p) + plane.offset),
+        other => -other.distance(p),
     }
 }
 
