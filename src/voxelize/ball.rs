@@ -22,10 +22,13 @@ pub fn density(d: f64, radius: f64) -> f64 {
     }
     // Filter balls small enough to lie in the ball, those that cut it, those that hold it.
     let within = (radius - d).max(0.0);
-    let cutting = (d - radius).abs()..(d + radius).min(1.0);
+    let (first, last) = ((d - radius).abs(), (d + radius).min(1.0));
     let inner = within.powi(4) / 4.0;
-    let lenses = LENS_RULE.integrate(cutting.start, cutting.end.max(cutting.start), |t| lens(d, radius, t));
-    let holding = radius.powi(3) * (1.0 - cutting.end.max(cutting.start)).max(0.0);
+    let lenses = match first < last {
+        true => LENS_RULE.integrate(first, last, |t| lens(d, radius, t)),
+        false => 0.0,
+    };
+    let holding = radius.powi(3) * (1.0 - d - radius).max(0.0);
     (4.0 * inner + 3.0 * FRAC_1_PI * lenses + 4.0 * holding).clamp(0.0, 1.0)
 }
 

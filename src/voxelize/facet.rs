@@ -32,6 +32,22 @@ fn beyond_side(a: f64, b: f64, c: f64) -> f64 {
     (steep + a * rest) / (4.0 * PI)
 }
 
+/// [`beyond_side`] for the stretch of a line between two places on it.
+fn beyond_stretch(a: f64, b: f64, [from, to]: [f64; 2]) -> f64 {
+    let reach = (1.0 - a * a - b * b).max(0.0).sqrt();
+    if from <= -reach && to >= reach {
+        return 2.0 * beyond_side(a, b, reach);
+    }
+    let up_to = |c: f64| {
+        if c == 0.0 {
+            0.0
+        } else {
+            beyond_side(a, b, c.abs()).copysign(c)
+        }
+    };
+    up_to(to) - up_to(from)
+}
+
 /// What the half of a plane at distance `a` cuts off the ball that ends at a line `b` from the foot, above 0 where the foot
 /// lies in it.
 pub fn half_plane(a: f64, b: f64) -> f64 {
@@ -43,32 +59,48 @@ pub fn half_plane(a: f64, b: f64) -> f64 {
     if b >= 0.0 { filter::half_space(a) - lost } else { lost }
 }
 
+/// A side of a face, seen from the foot of the sample on the face's plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side {
+    /// How far out its line runs; above 0 where the foot lies on the face's side of it.
+    pub out: f64,
+    /// Where on the line it begins and ends, counted from the point nearest to the foot, counter-clockwise about the face.
+    pub along: [f64; 2],
+}
+
+/// What a face in a plane at distance `a` cuts off the ball, by its sides: a convex polygon. Always at least 0.
+pub fn face(a: f64, sides: impl IntoIterator<Item = Side>) -> f64 {
+    let a = a.abs().max(LEAST);
+    if a >= 1.0 {
+        return 0.0;
+    }
+    let rim = (1.0 - a * a).sqrt();
+    let mut holds_foot = true;
+    let mut lost = 0.0;
+    for side in sides {
+        holds_foot &= side.out >= 0.0;
+        let out = side.out.abs();
+        if out < rim {
+            lost += side.out.signum() * beyond_stretch(a, out, side.along);
+        }
+    }
+    let whole = if holds_foot { filter::half_space(a) } else { 0.0 };
+    (whole - lost).max(0.0)
+}
+
 /// What a face cuts off the ball about the origin: a convex polygon at distance `a` whose corners run counter-clockwise seen
 /// from the tip of `normal`. Always at least 0.
 pub fn polygon(corners: &[DVec3], normal: DVec3, a: f64) -> f64 {
-    let a_abs = a.abs().max(LEAST);
-    if a_abs >= 1.0 {
-        return 0.0;
-    }
     let foot = normal * a;
-    let mut holds_foot = true;
-    let mut lost = 0.0;
-    for (n, &from) in corners.iter().enumerate() {
+    let sides = corners.iter().enumerate().filter_map(|(n, &from)| {
         let to = corners[(n + 1) % corners.len()];
-        let Some(along) = (to - from).try_normalize() else {
-            continue;
-        };
-        // How far out the side's line runs, seen from the foot, and where on it the side begins and ends.
-        let b = (from - foot).dot(along.cross(normal));
-        let up_to = |end: DVec3| {
-            let c = (end - foot).dot(along);
-            beyond_side(a_abs, b.abs(), c.abs()) * c.signum()
-        };
-        lost += b.signum() * (up_to(to) - up_to(from));
-        holds_foot &= b >= 0.0;
-    }
-    let whole = if holds_foot { filter::half_space(a_abs) } else { 0.0 };
-    (whole - lost).max(0.0)
+        let along = (to - from).try_normalize()?;
+        Some(Side {
+            out: (from - foot).dot(along.cross(normal)),
+            along: [from, to].map(|end| (end - foot).dot(along)),
+        })
+    });
+    face(a, sides)
 }
 
 /// The density of a wedge, what lies behind two planes at the signed distances `first` and `second` whose outward normals
@@ -130,9 +162,10 @@ mod tests {
     #[test]
     fn a_wedge_of_one_plane_is_a_half_space() {
         for u in [-0.8, -0.2, 0.0, 0.4] {
-            assert!((wedge(u, -2.0, 0.3) - filter::half_space(u)).abs() < 1e-12);
-            assert!((wedge(u, u, 1.0) - filter::half_space(u)).abs() < 1e-12);
-            assert!((half_plane(u, 0.0) - 0.5 * filter::half_space(u.abs())).abs() < 1e-8);
+            // Densities fall by at most 1 for each radius of distance.
+            assert!((wedge(u, -2.0, 0.3) - filter::half_space(u)).abs() <= LEAST);
+            assert!((wedge(u, u, 1.0) - filter::half_space(u)).abs() <= LEAST);
+            assert!((half_plane(u, 0.0) - 0.5 * filter::half_space(u.abs())).abs() <= LEAST);
         }
     }
 

@@ -4,14 +4,15 @@
 //! inside, 0 well outside, between them near the surface.
 //! *Changes from the paper.* WK94 looks densities up by feature, in tables by distance and size. Here balls, faces, edges and
 //! vertices have closed forms, curved sides one table, and what neither fits is integrated.
-//! *Practice.* [`filter`] is the weight and its integrals; [`facet`] plane faces, [`curved`] curved ones, [`beam`] integration
+//! *Practice.* [`filter`] is the weight and its integrals; [`facet`] plane faces, [`curved`] curved ones, [`lines`] integration
 //! over lines; each kind of solid has a file; [`Solid`] is any of them and [`Primitive`] what a model holds.
 
 pub mod ball;
-pub mod beam;
+pub mod beams;
 pub mod curved;
 pub mod facet;
 pub mod filter;
+pub mod lines;
 mod polyhedron;
 mod primitive;
 mod profile;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::facet;
+use super::facet::{self, Side};
 use super::filter::{self, Support};
 use crate::math::{Aabb, Plane, affine};
 
@@ -22,6 +22,8 @@ pub struct Polyhedron {
 struct Face {
     plane: Plane,
     corners: Vec<DVec3>,
+    /// The side from each corner to the next: its direction, its outward normal in the plane, and its length.
+    sides: Vec<(DVec3, DVec3, f64)>,
 }
 
 impl Face {
@@ -33,11 +35,37 @@ impl Face {
         let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let plane = Plane::through(middle, area)?;
         if plane.distance(inside) <= 0.0 {
-            return Some(Self { plane, corners });
+            return Some(Self::new(plane, corners));
         }
         corners.reverse();
-        let plane = Plane::through(middle, -area)?;
-        Some(Self { plane, corners })
+        Some(Self::new(Plane::through(middle, -area)?, corners))
+    }
+
+    fn new(plane: Plane, corners: Vec<DVec3>) -> Self {
+        let side = |n: usize| {
+            let span = corners[(n + 1) % corners.len()] - corners[n];
+            let along = span.normalize_or_zero();
+            (along, along.cross(plane.normal), span.length())
+        };
+        let sides = (0..corners.len()).map(side).collect();
+        Self { plane, corners, sides }
+    }
+
+    /// What the face cuts off the filter's ball about `p`.
+    fn cut(&self, p: DVec3, radius: f64) -> f64 {
+        let sides = self
+            .corners
+            .iter()
+            .zip(&self.sides)
+            .map(|(from, (along, outward, length))| {
+                let from = *from - p;
+                let start = from.dot(*along);
+                Side {
+                    out: from.dot(*outward) / radius,
+                    along: [start / radius, (start + length) / radius],
+                }
+            });
+        facet::face(self.plane.distance(p) / radius, sides)
     }
 }
 
@@ -171,23 +199,33 @@ impl Polyhedron {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// [`Self::distance`] for many points at once.
+    pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
+        distances.fill(f64::NEG_INFINITY);
+        for face in self.faces.iter() {
+            for (distance, p) in distances.iter_mut().zip(points) {
+                *distance = distance.max(face.plane.distance(*p));
+            }
+        }
+    }
+
     /// The density at `p` of a filter whose support is a ball.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
         let radius = support.reach;
-        let outside = self.distance(p) / radius;
-        if outside.abs() >= 1.0 {
-            return if outside > 0.0 { 0.0 } else { 1.0 };
+        let (mut outside, mut next) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for face in self.faces.iter() {
+            let distance = face.plane.distance(p) / radius;
+            next = next.max(distance.min(outside));
+            outside = outside.max(distance);
+        }
+        if next <= -1.0 {
+            // The ball reaches no second face, and so no side of the one it reaches.
+            return filter::half_space(outside);
         }
         let mut density = f64::from(u8::from(outside <= 0.0));
-        let mut corners: Vec<DVec3> = Vec::new();
         for face in self.faces.iter() {
-            let a = face.plane.distance(p) / radius;
-            if a.abs() < 1.0 {
-                corners.clear();
-                corners.extend(face.corners.iter().map(|c| (*c - p) / radius));
-                let cut = facet::polygon(&corners, face.plane.normal, -a);
-                density -= if a <= 0.0 { cut } else { -cut };
-            }
+            let cut = face.cut(p, radius);
+            density -= if face.plane.distance(p) <= 0.0 { cut } else { -cut };
         }
         density.clamp(0.0, 1.0)
     }

@@ -73,9 +73,13 @@ impl Primitive {
                 local_from_world: DAffine3::IDENTITY,
             };
         }
+        let (solid, hollow) = match support {
+            Some(_) => (self.solid.softened(), self.hollow.as_ref().map(Solid::softened)),
+            None => (self.solid.clone(), self.hollow.clone()),
+        };
         Placed {
-            solid: self.solid.clone(),
-            hollow: self.hollow.clone(),
+            solid,
+            hollow,
             support,
             value: self.value,
             local_from_world,
@@ -102,13 +106,23 @@ impl Placed {
     }
 
     /// How far beyond the surface it is more than nothing, in its frame.
-    fn reach(&self) -> f64 {
+    pub fn reach(&self) -> f64 {
         self.support.map_or(0.0, |support| support.reach)
     }
 
     /// A box of its frame outside which it is nothing; infinite for a half-space.
     pub fn local_bounds(&self) -> Aabb {
         self.solid.bounds().expand(DVec3::splat(self.reach()))
+    }
+
+    /// At most the distances of `points` of its frame to the surface of the solid or shell; above 0 outside.
+    pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
+        self.solid.distances(points, distances);
+        if let Some(hollow) = &self.hollow {
+            for (distance, p) in distances.iter_mut().zip(points) {
+                *distance = distance.max(-hollow.distance(*p));
+            }
+        }
     }
 
     /// The half-space that it is, moved outwards to where it is nothing.

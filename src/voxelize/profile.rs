@@ -16,6 +16,10 @@ pub enum Piece {
         from: DVec2,
         /// Where it ends.
         to: DVec2,
+        /// The direction from there to there.
+        along: DVec2,
+        /// How long it is.
+        length: f64,
     },
     /// An arc that bulges outwards.
     Arc {
@@ -27,6 +31,10 @@ pub enum Piece {
         from: f64,
         /// How far it goes on from there, at most a full turn.
         sweep: f64,
+        /// The direction of its middle.
+        middle: DVec2,
+        /// The cosine of the angle from there to its ends; -1 for a full circle.
+        cosine: f64,
     },
 }
 
@@ -44,15 +52,35 @@ pub struct Nearest {
 
 impl Piece {
     /// The line between two points.
-    pub const fn line(from: DVec2, to: DVec2) -> Self {
-        Self::Line { from, to }
+    pub fn line(from: DVec2, to: DVec2) -> Self {
+        let (along, length) = ((to - from).normalize_or_zero(), (to - from).length());
+        Self::Line {
+            from,
+            to,
+            along,
+            length,
+        }
+    }
+
+    /// An arc about `center` that bulges outwards: from the direction `from` on for `sweep`, radians.
+    pub fn arc(center: DVec2, radius: f64, from: f64, sweep: f64) -> Self {
+        let full = sweep >= TAU;
+        Self::Arc {
+            center,
+            radius,
+            from,
+            sweep,
+            middle: DVec2::from_angle(from + 0.5 * sweep),
+            cosine: if full { -1.0 } else { (0.5 * sweep).cos() },
+        }
     }
 
     /// The point nearest to `p`.
     pub fn nearest(&self, p: DVec2) -> Nearest {
         match *self {
-            Self::Line { from, to } => {
-                let (length, along) = ((to - from).length(), (to - from).normalize_or_zero());
+            Self::Line {
+                from, along, length, ..
+            } => {
                 let point = from + along * (p - from).dot(along).clamp(0.0, length);
                 let normal = -along.perp();
                 let round = if normal.x == 0.0 { 0.0 } else { normal.x / point.x };
@@ -64,7 +92,7 @@ impl Piece {
                 }
             }
             Self::Arc { center, radius, .. } => {
-                let normal = DVec2::from_angle(self.nearest_angle(p - center));
+                let normal = self.nearest_direction(p - center);
                 let point = center + normal * radius;
                 // An arc about a point of the axis turns into a sphere.
                 let round = if center.x == 0.0 {
@@ -82,32 +110,63 @@ impl Piece {
         }
     }
 
+    /// The squared distance to `p`.
+    pub fn distance_squared(&self, p: DVec2) -> f64 {
+        match *self {
+            Self::Line {
+                from, along, length, ..
+            } => {
+                let offset = p - from;
+                let t = offset.dot(along).clamp(0.0, length);
+                (offset - along * t).length_squared()
+            }
+            Self::Arc { center, radius, .. } => {
+                let nearest = center + self.nearest_direction(p - center) * radius;
+                nearest.distance_squared(p)
+            }
+        }
+    }
+
+    /// How far `p` lies on the outer side of a line and of what continues it; 0 for an arc.
+    fn ahead(&self, p: DVec2) -> f64 {
+        match *self {
+            Self::Line { from, along, .. } => (p - from).perp_dot(along),
+            Self::Arc { .. } => 0.0,
+        }
+    }
+
     /// The direction on an arc nearest to that of `towards`.
-    fn nearest_angle(&self, towards: DVec2) -> f64 {
-        let Self::Arc { from, sweep, .. } = *self else {
-            return 0.0;
+    fn nearest_direction(&self, towards: DVec2) -> DVec2 {
+        let Self::Arc {
+            from,
+            sweep,
+            middle,
+            cosine,
+            ..
+        } = *self
+        else {
+            return DVec2::ZERO;
         };
-        let turned = (towards.to_angle() - from).rem_euclid(TAU);
-        let past_end = turned - sweep;
-        let angle = if past_end <= 0.0 {
-            turned
-        } else if past_end <= TAU - turned {
-            sweep
+        let direction = towards.try_normalize().unwrap_or(middle);
+        if direction.dot(middle) >= cosine {
+            direction
+        } else if middle.perp_dot(direction) >= 0.0 {
+            DVec2::from_angle(from + sweep)
         } else {
-            0.0
-        };
-        from + angle
+            DVec2::from_angle(from)
+        }
     }
 
     /// Where it begins and where it ends; the same for a full circle.
     pub fn ends(&self) -> [DVec2; 2] {
         match *self {
-            Self::Line { from, to } => [from, to],
+            Self::Line { from, to, .. } => [from, to],
             Self::Arc {
                 center,
                 radius,
                 from,
                 sweep,
+                ..
             } => [from, from + sweep].map(|angle| center + DVec2::from_angle(angle) * radius),
         }
     }
@@ -119,7 +178,7 @@ impl Piece {
     /// Whether the surface goes on smoothly across the axis at `end`, an end of the piece.
     fn is_smooth_on_axis(&self, end: DVec2) -> bool {
         match *self {
-            Self::Line { from, to } => end.x == 0.0 && from.y == to.y,
+            Self::Line { from, to, .. } => end.x == 0.0 && from.y == to.y,
             // An angle of a quarter turn has a cosine that is not quite 0.
             Self::Arc { center, radius, .. } => center.x == 0.0 && end.x.abs() <= 1e-12 * radius,
         }
@@ -128,12 +187,13 @@ impl Piece {
     /// Its ends, and where it is farthest from the axis and nearest to it.
     fn knots(&self) -> impl Iterator<Item = DVec2> {
         let (points, len) = match *self {
-            Self::Line { from, to } => ([from, to, from, to], 2),
+            Self::Line { from, to, .. } => ([from, to, from, to], 2),
             Self::Arc {
                 center,
                 radius,
                 from,
                 sweep,
+                ..
             } => {
                 let at = |angle: f64| center + DVec2::from_angle(angle) * radius;
                 let holds = |angle: f64| (angle - from).rem_euclid(TAU) <= sweep;
@@ -147,7 +207,7 @@ impl Piece {
     /// The smallest and the largest z at distance `rho` from the axis.
     fn heights(&self, rho: f64) -> Option<(f64, f64)> {
         match *self {
-            Self::Line { from, to } => {
+            Self::Line { from, to, .. } => {
                 let t = (rho - from.x) / (to.x - from.x);
                 let z = from.y + t * (to.y - from.y);
                 (0.0..=1.0).contains(&t).then_some((z, z))
@@ -155,16 +215,14 @@ impl Piece {
             Self::Arc {
                 center,
                 radius,
-                from,
-                sweep,
+                middle,
+                cosine,
+                ..
             } => {
                 let x = (rho - center.x) / radius;
                 let half = (1.0 - x * x).max(0.0).sqrt();
-                let holds = |y: f64| (y.atan2(x) - from).rem_euclid(TAU) <= sweep;
-                let mut z = [-half, half]
-                    .into_iter()
-                    .filter(|y| x.abs() <= 1.0 && holds(*y))
-                    .map(|y| center.y + y * radius);
+                let on_arc = |y: &f64| x.abs() <= 1.0 && DVec2::new(x, *y).dot(middle) >= cosine;
+                let mut z = [-half, half].into_iter().filter(on_arc).map(|y| center.y + y * radius);
                 let first = z.next()?;
                 Some((first, z.next().unwrap_or(first)))
             }
@@ -180,6 +238,8 @@ pub struct Profile {
     corners: Vec<DVec2>,
     /// Distances from the axis at which the solid's thickness has a kink, rising.
     knots: Vec<f64>,
+    /// Whether the solid is what lies behind all its sides, which are straight.
+    is_convex_polygon: bool,
 }
 
 impl Profile {
@@ -193,7 +253,16 @@ impl Profile {
             ends.filter(|end| !piece.is_smooth_on_axis(*end))
         });
         let corners = corners.collect();
-        Self { pieces, corners, knots }
+        let ends = || pieces.iter().flat_map(|piece| piece.ends());
+        let straight = |piece: &Piece| matches!(piece, Piece::Line { .. });
+        let convex = |piece: &Piece| ends().all(|end| piece.ahead(end) <= 1e-9 * (1.0 + end.length()));
+        let is_convex_polygon = pieces.iter().all(|piece| straight(piece) && convex(piece));
+        Self {
+            pieces,
+            corners,
+            knots,
+            is_convex_polygon,
+        }
     }
 
     /// The profile round which these corners lie, counter-clockwise; sides along the axis are left out.
@@ -224,7 +293,7 @@ impl Profile {
         let mut bounds = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for piece in &self.pieces {
             let (lo, hi) = match *piece {
-                Piece::Line { from, to } => (from.min(to), from.max(to)),
+                Piece::Line { from, to, .. } => (from.min(to), from.max(to)),
                 Piece::Arc { center, radius, .. } => (center - radius, center + radius),
             };
             bounds = (bounds.0.min(lo), bounds.1.max(hi));
@@ -235,7 +304,7 @@ impl Profile {
     /// Distances from the axis at which a straight side passes height `z`: steep ones are thin there.
     pub fn crossings(&self, z: f64) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().filter_map(move |piece| match *piece {
-            Piece::Line { from, to } => {
+            Piece::Line { from, to, .. } => {
                 let t = (z - from.y) / (to.y - from.y);
                 (0.0 < t && t < 1.0).then(|| from.x + t * (to.x - from.x))
             }
@@ -254,12 +323,13 @@ impl Profile {
         self.interval(p.x).is_some_and(|(lo, hi)| lo <= p.y && p.y <= hi)
     }
 
-    /// The distance to the outline, above 0 outside.
+    /// At most the distance to the outline, above 0 outside; beyond the corners of straight outlines it is less.
     pub fn distance(&self, p: DVec2) -> f64 {
-        let squares = self
-            .pieces
-            .iter()
-            .map(|piece| piece.nearest(p).point.distance_squared(p));
+        if self.is_convex_polygon {
+            let ahead = self.pieces.iter().map(|piece| piece.ahead(p));
+            return ahead.fold(f64::NEG_INFINITY, f64::max);
+        }
+        let squares = self.pieces.iter().map(|piece| piece.distance_squared(p));
         let distance = squares.fold(f64::INFINITY, f64::min).sqrt();
         if self.contains(p) { -distance } else { distance }
     }
@@ -283,23 +353,13 @@ impl Profile {
 
     /// A torus about the origin: a tube of radius `tube` on a circle of radius `ring`, which is larger.
     pub fn torus(ring: f64, tube: f64) -> Self {
-        Self::new(vec![Piece::Arc {
-            center: DVec2::new(ring, 0.0),
-            radius: tube,
-            from: 0.0,
-            sweep: TAU,
-        }])
+        Self::new(vec![Piece::arc(DVec2::new(ring, 0.0), tube, 0.0, TAU)])
     }
 
     /// A capsule about the origin: all within `radius` of a stretch of z that is `length` long.
     pub fn capsule(radius: f64, length: f64) -> Self {
         let half = 0.5 * length;
-        let cap = |z: f64, from: f64| Piece::Arc {
-            center: DVec2::new(0.0, z),
-            radius,
-            from,
-            sweep: 0.5 * PI,
-        };
+        let cap = |z: f64, from: f64| Piece::arc(DVec2::new(0.0, z), radius, from, 0.5 * PI);
         let side = Piece::line(DVec2::new(radius, -half), DVec2::new(radius, half));
         Self::new(vec![cap(-half, -0.5 * PI), side, cap(half, 0.0)])
     }
@@ -318,8 +378,8 @@ impl Profile {
 
     fn inset_smooth(&self, by: f64) -> Option<Self> {
         let moved = |piece: &Piece| match *piece {
-            Piece::Line { from, to } => {
-                let inwards = (to - from).normalize_or_zero().perp() * by;
+            Piece::Line { from, to, along, .. } => {
+                let inwards = along.perp() * by;
                 let line = Piece::line(from + inwards, to + inwards);
                 (line.ends()[0].x > 0.0).then_some(line)
             }
@@ -328,15 +388,8 @@ impl Profile {
                 radius,
                 from,
                 sweep,
-            } => {
-                let radius = radius - by;
-                (radius > 0.0).then_some(Piece::Arc {
-                    center,
-                    radius,
-                    from,
-                    sweep,
-                })
-            }
+                ..
+            } => (by < radius).then(|| Piece::arc(center, radius - by, from, sweep)),
         };
         self.pieces.iter().map(moved).collect::<Option<Vec<_>>>().map(Self::new)
     }

@@ -1,14 +1,14 @@
 //! Solids between two heights over a rectangle: wavy plates, and boxes with rounded edges.
 //!
-//! *Practice.* Densities are integrated over vertical lines ([`Beams`]), between the places where the heights have kinks.
+//! *Practice.* Densities are integrated over vertical lines ([`Lines`]), between the places where the heights have kinks.
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3};
 
-use super::beam::{Beams, stretches};
 use super::filter::Support;
+use super::lines::{Lines, stretches};
 use crate::math::Aabb;
 use crate::math::quadrature::GaussLegendre;
 
@@ -125,8 +125,8 @@ impl Relief {
 
     /// The density at `p`.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
-        let beams = Beams::new(p, support);
-        let (lo, hi) = (beams.middle() - beams.reach, beams.middle() + beams.reach);
+        let lines = Lines::new(p, support);
+        let (lo, hi) = (lines.middle() - lines.reach, lines.middle() + lines.reach);
         let mut sum = 0.0;
         for (from, to) in stretches(lo.x, hi.x, &self.knots(0.0)[0]) {
             for (x, weight) in LINES.over(from, to) {
@@ -134,7 +134,7 @@ impl Relief {
                     sum += weight
                         * LINES.integrate(from, to, |y| {
                             let at = DVec2::new(x, y);
-                            self.interval(at).map_or(0.0, |interval| beams.stretch(at, interval))
+                            self.interval(at).map_or(0.0, |interval| lines.stretch(at, interval))
                         });
                 }
             }

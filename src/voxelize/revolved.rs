@@ -5,22 +5,23 @@
 //! *Changes from the paper.* Near one piece the density is that of a surface with the piece's curvature and that of the circle
 //! it is turned on ([`curved`]). Near a corner of two straight pieces it is that of a wedge ([`facet::wedge`]) between the planes
 //! that have the pieces' densities, which accounts for the bend of the rim. Anything else (an apex, a solid of the filter's size,
-//! a stretched pose) is integrated over lines along the axis ([`Beams`]).
+//! a stretched pose) is integrated over lines along the axis ([`Lines`]).
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3};
 
-use super::beam::{Beams, stretches};
 use super::curved::{self, MAX_CURVATURE};
 use super::facet;
 use super::filter::{self, Support};
+use super::lines::{Lines, stretches};
 use super::profile::{Nearest, Piece, Profile};
 use crate::math::quadrature::GaussLegendre;
 
-static RADII: LazyLock<GaussLegendre<8>> = LazyLock::new(GaussLegendre::new);
+static RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static ANGLES: LazyLock<GaussLegendre<12>> = LazyLock::new(GaussLegendre::new);
+static HALF_ANGLES: LazyLock<GaussLegendre<6>> = LazyLock::new(GaussLegendre::new);
 
 /// The density at `p` of `profile` turned about the z axis.
 pub fn density(profile: &Profile, p: DVec3, support: &Support) -> f64 {
@@ -43,12 +44,13 @@ fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
     let mut near = profile
         .pieces()
         .iter()
-        .filter(|piece| piece.nearest(p).point.distance(p) < radius);
+        .filter(|piece| piece.distance_squared(p) < radius * radius);
     let (first, second, more) = (near.next(), near.next(), near.next());
-    let mut corners = profile.corners().iter().filter(|corner| corner.distance(p) < radius);
+    let is_near = |corner: &&DVec2| corner.distance_squared(p) < radius * radius;
+    let mut corners = profile.corners().iter().filter(is_near);
     match (first, second, more) {
-        (None, ..) => Some(f64::from(u8::from(profile.contains(p)))),
-        (Some(only), None, _) if corners.next().is_none() => side(only, p, radius),
+        (None, ..) => Some(f64::from(u8::from(profile.distance(p) <= 0.0))),
+        (Some(only), None, _) if corners.next().is_none() => side(&only.nearest(p), p, radius),
         (Some(first), Some(second), None) => {
             let corner = *corners.next()?;
             // A corner is there once for each of its pieces.
@@ -64,10 +66,9 @@ fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
 }
 
 /// The density near one piece and none of its corners.
-fn side(piece: &Piece, p: DVec2, radius: f64) -> Option<f64> {
-    let nearest = piece.nearest(p);
+fn side(nearest: &Nearest, p: DVec2, radius: f64) -> Option<f64> {
     let distance = (p - nearest.point).dot(nearest.normal) / radius;
-    Some(curved::density(distance, bend(&nearest, p, radius)?))
+    Some(curved::density(distance, bend(nearest, p, radius)?))
 }
 
 /// A rim bends at most this much for its density to be that of a wedge, in units of the filter's radius. At a sixth random
@@ -81,14 +82,14 @@ fn rim(pieces: [&Piece; 2], corner: DVec2, p: DVec2, radius: f64) -> Option<f64>
     }
     let mut planes = [(0.0, DVec2::ZERO); 2];
     for (plane, piece) in planes.iter_mut().zip(pieces) {
-        let Piece::Line { from, to } = *piece else { return None };
+        let Piece::Line { from, to, .. } = *piece else {
+            return None;
+        };
         let behind = if from == corner { to } else { from };
         let at_corner = piece.nearest(corner);
-        let bent = curved::density(
-            (p - corner).dot(at_corner.normal) / radius,
-            bend(&at_corner, p, radius)?,
-        );
-        *plane = (filter::half_space_distance(bent), at_corner.normal);
+        let distance = (p - corner).dot(at_corner.normal) / radius;
+        let bent = curved::density(distance, bend(&at_corner, p, radius)?);
+        *plane = (filter::half_space_distance(bent, distance), at_corner.normal);
         // Convex: each piece runs behind the other's plane.
         if pieces
             .iter()
@@ -111,32 +112,38 @@ fn bend(at: &Nearest, p: DVec2, radius: f64) -> Option<[f64; 2]> {
 
 /// The density by integration over lines along the axis.
 pub fn integrated(profile: &Profile, p: DVec3, support: &Support) -> f64 {
-    let beams = Beams::new(p, support);
-    let heights = [-support.reach, 0.0, support.reach].map(|z| p.z + z);
+    let lines = Lines::new(p, support);
+    let heights = [-support.reach, support.reach].map(|z| p.z + z);
     let crossings = heights.into_iter().flat_map(|z| profile.crossings(z));
     let mut knots: Vec<f64> = profile.knots().iter().copied().chain(crossings).collect();
     knots.sort_by(f64::total_cmp);
-    let sum = over_rings(&beams, &knots, &[], |rho, at| {
+    let sum = over_rings(&lines, &knots, &[], |rho, at| {
         profile
             .interval(rho)
-            .map_or(0.0, |interval| beams.stretch(at, interval))
+            .map_or(0.0, |interval| lines.stretch(at, interval))
     });
     sum.clamp(0.0, 1.0)
 }
 
-/// The integral of `f`, given a distance from the axis and a point there, over the lines of `beams`, in rings about the axis:
-/// smooth between the distances `knots` and the directions `cuts` (radians), each rising.
-pub(super) fn over_rings(beams: &Beams, knots: &[f64], cuts: &[f64], f: impl Fn(f64, DVec2) -> f64) -> f64 {
-    let (distance, reach) = (beams.middle().length(), beams.reach);
-    let towards = beams.middle().to_angle();
+/// The integral of `f`, given a distance from the axis and a point there, over the lines of `lines`, in rings about the axis:
+/// smooth between the distances `knots` and the directions `cuts` (radians), each rising. Without cuts `f` is the same in all
+/// directions.
+pub(super) fn over_rings(lines: &Lines, knots: &[f64], cuts: &[f64], f: impl Fn(f64, DVec2) -> f64) -> f64 {
+    let (distance, reach) = (lines.middle().length(), lines.reach);
+    let towards = lines.middle().to_angle();
     let mut sum = 0.0;
     for (from, to) in stretches((distance - reach).max(0.0), distance + reach, knots) {
         for (rho, w_rho) in RADII.over(from, to) {
             let half = half_angle(distance, rho, reach);
-            for (from, to) in stretches(towards - half, towards + half, cuts) {
-                let arc = ANGLES.integrate(from, to, |angle| f(rho, DVec2::from_angle(angle) * rho));
-                sum += w_rho * rho * arc;
-            }
+            let at = |angle: f64| f(rho, DVec2::from_angle(angle) * rho);
+            let arc: f64 = if lines.is_ball && cuts.is_empty() {
+                2.0 * HALF_ANGLES.integrate(towards, towards + half, at)
+            } else {
+                stretches(towards - half, towards + half, cuts)
+                    .map(|(from, to)| ANGLES.integrate(from, to, at))
+                    .sum()
+            };
+            sum += w_rho * rho * arc;
         }
     }
     sum

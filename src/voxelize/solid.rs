@@ -9,7 +9,7 @@ use super::polyhedron::{self, Polyhedron};
 use super::profile::Profile;
 use super::relief::{Relief, RoundedBox};
 use super::thread::Thread;
-use super::{ball, beam, filter, revolved};
+use super::{ball, filter, lines, revolved};
 use crate::math::{Aabb, Plane, affine};
 
 /// A solid whose density is known.
@@ -93,6 +93,28 @@ impl Solid {
         }
     }
 
+    /// [`Self::distance`] for many points at once.
+    pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
+        match self {
+            Self::Sphere { center, radius } => {
+                for (distance, p) in distances.iter_mut().zip(points) {
+                    *distance = p.distance(*center) - radius;
+                }
+            }
+            Self::Polyhedron(polyhedron) => polyhedron.distances(points, distances),
+            Self::Revolved(profile) => {
+                for (distance, p) in distances.iter_mut().zip(points) {
+                    *distance = profile.distance(revolved::beside_axis(*p));
+                }
+            }
+            _ => {
+                for (distance, p) in distances.iter_mut().zip(points) {
+                    *distance = self.distance(*p);
+                }
+            }
+        }
+    }
+
     /// Bounds of [`Self::distance`] over a box. Where nothing tighter is known they follow from the middle: distances change
     /// by no more than the way between two points.
     pub fn distance_range(&self, region: &Aabb) -> DistanceRange {
@@ -152,6 +174,14 @@ impl Solid {
             Self::Revolved(profile) => revolved::density(profile, p, support),
             Self::Thread(thread) => thread.density(p, support),
             Self::Relief(relief) => relief.density(p, support),
+        }
+    }
+
+    /// The same solid, as it is quickest to find densities of.
+    pub fn softened(&self) -> Self {
+        match self {
+            Self::Box(bounds) => Self::Polyhedron(Polyhedron::cuboid(bounds)),
+            _ => self.clone(),
         }
     }
 
@@ -226,10 +256,10 @@ fn over_corners(region: &Aabb, distance: impl Fn(DVec3) -> f64) -> DistanceRange
 
 /// The density of a ball about the origin under a stretched support.
 fn ball_integrated(p: DVec3, radius: f64, support: &Support) -> f64 {
-    let beams = beam::Beams::new(p, support);
-    let sum = revolved::over_rings(&beams, &[radius], &[], |rho, at| {
+    let lines = lines::Lines::new(p, support);
+    let sum = revolved::over_rings(&lines, &[radius], &[], |rho, at| {
         let half = (radius * radius - rho * rho).max(0.0).sqrt();
-        beams.stretch(at, (-half, half))
+        lines.stretch(at, (-half, half))
     });
     sum.clamp(0.0, 1.0)
 }

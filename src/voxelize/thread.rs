@@ -8,8 +8,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::beam::Beams;
 use super::filter::Support;
+use super::lines::Lines;
 use super::profile::Profile;
 use super::revolved::{beside_axis, over_rings};
 use crate::math::Aabb;
@@ -130,11 +130,11 @@ impl Thread {
 
     /// The density at `p`.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
-        let beams = Beams::new(p, support);
+        let lines = Lines::new(p, support);
         let (lo, hi) = (p.z - support.reach, p.z + support.reach);
-        let sum = over_rings(&beams, &self.knots, &self.cuts(p), |rho, at| {
+        let sum = over_rings(&lines, &self.knots, &self.cuts(p), |rho, at| {
             let mut line = 0.0;
-            self.stretches(rho, at.to_angle(), lo, hi, |stretch| line += beams.stretch(at, stretch));
+            self.stretches(rho, at.to_angle(), lo, hi, |stretch| line += lines.stretch(at, stretch));
             line
         });
         sum.clamp(0.0, 1.0)

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use super::filter::{self, Support};
 
 /// The filter's ball about a sample, seen along z of a solid's frame.
-pub struct Beams {
+pub struct Lines {
     middle: DVec3,
     /// Images of the solid's x and y in the unit ball's frame, with the part along z's image taken off.
     across: [DVec3; 2],
@@ -19,10 +19,12 @@ pub struct Beams {
     scale: f64,
     /// The farthest that the ball reaches across.
     pub reach: f64,
+    /// Whether the ball is one in the solid's frame too, and so alike on both sides of the plane through it and the axis.
+    pub is_ball: bool,
 }
 
-impl Beams {
-    /// The beams of a ball about `middle`.
+impl Lines {
+    /// The lines of a ball about `middle`.
     pub fn new(middle: DVec3, support: &Support) -> Self {
         let unit = &support.unit_from_local;
         let length = unit.z_axis.length();
@@ -35,6 +37,7 @@ impl Beams {
             across,
             along: DVec3::new(unit.x_axis.dot(axis), unit.y_axis.dot(axis), length),
             scale: unit.determinant().abs() / length,
+            is_ball: support.is_ball,
             reach: if support.is_ball {
                 support.reach
             } else {
