@@ -43,13 +43,14 @@ fn least_through(spec: &FrameSpec) -> f64 {
 /// `plan` in at most `count` bands of about as many fragments each. If there are several, the nearest is the first, and within a
 /// band the order is turned round.
 pub fn cut_into(mut plan: SlicePlan, count: usize) -> SlicePlan {
+    let was_cut = plan.is_cut();
     plan.band_faces_mm = faces(&plan, count);
-    if plan.is_cut() {
-        let mut slices = std::mem::take(&mut plan.slices);
+    let mut slices = std::mem::take(&mut plan.slices);
+    if plan.is_cut() != was_cut {
         slices.reverse();
-        slices.sort_by_cached_key(|slice| plan.band(slice));
-        plan.slices = slices;
     }
+    slices.sort_by_cached_key(|slice| plan.band(slice));
+    plan.slices = slices;
     plan
 }
 

@@ -149,7 +149,10 @@ impl Planned {
     fn bands_are_seen_where_they_are(&self) -> Result<(), String> {
         let size = DVec2::from(self.camera.size.map(f64::from));
         let matrix = self.plan.eye_from_lattice.matrix3;
-        let voxel_mm = [0, 1, 2].map(|a| matrix.col(a).length()).into_iter().fold(0.0, f64::max);
+        let voxel_mm = [0, 1, 2]
+            .map(|a| matrix.col(a).length())
+            .into_iter()
+            .fold(0.0, f64::max);
         for band in bands::ranges(&self.plan) {
             let [least, greatest] = bands::seen_px(&self.plan, band.clone());
             let vertices = self.plan.slices[band].iter().flat_map(|slice| self.plan.polygon(slice));
