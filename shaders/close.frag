@@ -6,12 +6,9 @@ layout(binding = 0) uniform sampler2D accumulated;
 
 layout(location = 0) in vec2 at;
 
-layout(location = 0) out vec4 color;
-
 void main() {
     float through = 1.0 - texture(accumulated, at).a;
     if (through * float(HIDES_ALL_BUT) > 1.0) {
         discard;
     }
-    color = vec4(0.0);
 }

@@ -145,6 +145,12 @@ structures! {
         pub rgb: Vec4,
     }
 
+    /// What is pushed for a rectangle of the frame.
+    pub struct RectData {
+        /// Its left, top, right and bottom, in parts of the frame's width and height.
+        pub ends: Vec4,
+    }
+
     /// A polygon vertex that moves along an edge of the unit box.
     pub struct MovingVertexData {
         /// Where it is at the depth of the nearest corner.

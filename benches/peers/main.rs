@@ -42,6 +42,9 @@ struct Arguments {
     /// Fail if a bar is missed.
     #[arg(long)]
     strict: bool,
+    /// Measure frames only, and write no report.
+    #[arg(long)]
+    frames: bool,
     /// Measure surfaces only, and write no report.
     #[arg(long)]
     surfaces: bool,
@@ -92,6 +95,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return surfaces::compare(arguments.repetitions().runs).map(|_| 0);
     }
     vtk::write_volumes()?;
+    if arguments.frames {
+        return frames::compare(&drawing::open_device()?, arguments.repetitions()).map(|_| 0);
+    }
     let report = Report::measure(arguments.repetitions())?;
     write_whole(Path::new(REPORT), |out| {
         serde_json::to_writer_pretty(&mut *out, &report)?;

@@ -171,6 +171,7 @@ impl<'a> Walker<'a> {
         let planes = spec.planes();
         let blending = spec.settings.mode.blending();
         let mut pixel = [Span::ZERO; 4];
+        let mut samples = 0;
         for k in planes.between(near, far).rev() {
             let eye = spec.camera.point_at_depth(x, y, planes.depth(k));
             let Some(place) = places.at(eye) else {
@@ -181,10 +182,11 @@ impl<'a> Walker<'a> {
                 let stop = self.meshes.map_or([1, 1], |meshes| meshes.times(n, eye.z, unsure));
                 let times = [0, 1].map(|end| stop[end] * place.times[end]);
                 pixel = blend(blending, &source, &pixel, times);
+                samples += times[1];
             }
         }
         let settings = spec.settings;
-        let pixel = self.hiding.of(&pixel);
+        let pixel = self.hiding.of(&pixel, samples);
         let pixel = resolve(settings.mode, &pixel, spec.target.value_range, spec.transfer);
         let mode = settings.mode;
         self.meshes.map_or(pixel, |meshes| meshes.behind(n, mode, &pixel))

@@ -103,8 +103,8 @@ fn buffer_copy(device: &Device, copy: &BufferCopy) -> Result<(), GpuError> {
 }
 
 fn render(device: &Device, pass: &RenderPass) -> Result<(), GpuError> {
-    let Some(first) = pass.targets.first() else {
-        return Err(GpuError::usage("a pass", "it has no target"));
+    let Some(extent) = pass.extent() else {
+        return Err(GpuError::usage("a pass", "it has nothing to draw into"));
     };
     for (place, target) in pass.targets.iter().enumerate() {
         let image = &target.image;
@@ -115,7 +115,7 @@ fn render(device: &Device, pass: &RenderPass) -> Result<(), GpuError> {
             "the image is not a target",
         )?;
         require(
-            image.extent() == first.image.extent(),
+            image.extent() == extent,
             image.label(),
             "targets of one pass differ in size",
         )?;
@@ -130,7 +130,7 @@ fn render(device: &Device, pass: &RenderPass) -> Result<(), GpuError> {
         let image = &depth.image;
         require(image.is_on(device), image.label(), "depths of another device")?;
         require(
-            image.role() == ImageRole::DepthTarget && image.extent() == first.image.extent(),
+            image.role() == ImageRole::DepthTarget && image.extent() == extent,
             image.label(),
             "the image is not one of depths, or not of the targets' size",
         )?;

@@ -108,10 +108,9 @@ impl<'a> Encoder<'a> {
     }
 
     fn render(&mut self, pass: &RenderPass) {
-        let Some(first) = pass.targets.first() else {
+        let Some([width, height, _]) = pass.extent().map(|extent| extent.edges()) else {
             return;
         };
-        let [width, height, _] = first.image.extent().edges();
         let attachments: Vec<_> = pass.targets.iter().map(attachment).collect();
         let area = vk::Rect2D::default().extent(vk::Extent2D { width, height });
         let info = vk::RenderingInfo::default()

@@ -119,9 +119,9 @@ fn require_possible(device: &Device, desc: &PipelineDesc) -> Result<(), GpuError
         );
         return Err(GpuError::usage(desc.label, problem));
     }
-    if desc.color_targets.is_empty() || desc.color_targets.len() > limits.color_targets as usize {
+    if desc.color_targets.len() > limits.color_targets as usize {
         let problem = format!(
-            "{} colour targets (1 to {})",
+            "{} colour targets (at most {})",
             desc.color_targets.len(),
             limits.color_targets
         );

@@ -5,7 +5,7 @@ use ash::vk;
 use super::BindingKind;
 
 /// How a fragment meets what is already in the target. Colours are premultiplied.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Blend {
     /// `source + (1 − source alpha) · target`, in all four components.
     Over,

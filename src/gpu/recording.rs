@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Bindings, Buffer, GraphicsPipeline, Image};
+use super::{Bindings, Buffer, Extent, GraphicsPipeline, Image};
 
 /// Commands in the order of their effects. One recording may be submitted many times.
 #[derive(Clone, Default)]
@@ -94,12 +94,21 @@ pub struct DepthTarget {
 /// Draws into the same targets, in order.
 #[derive(Clone)]
 pub struct RenderPass {
-    /// The targets, of one size.
+    /// The targets, of one size; none if depths alone are drawn.
     pub targets: Vec<Target>,
     /// The depths, of the same size, for pipelines that test against them.
     pub depth: Option<DepthTarget>,
     /// The draws.
     pub draws: Vec<Draw>,
+}
+
+impl RenderPass {
+    /// The size of what is drawn into.
+    pub(super) fn extent(&self) -> Option<Extent> {
+        let depths = self.depth.iter().map(|depth| &depth.image);
+        let mut images = self.targets.iter().map(|target| &target.image).chain(depths);
+        images.next().map(|image| image.extent())
+    }
 }
 
 /// A vertex buffer from some byte on.

@@ -1,22 +1,21 @@
 //! What is hidden is not drawn: a plan cut in depth into bands that are drawn from the nearest on.
 //!
-//! *Changes from the paper.* VCSG draws all slices from back to front, hidden or not. *Over* is associative, so a plan may be
-//! cut by planes, the slices between two of them drawn back to front into a layer of their own, and the layers put together
-//! from the nearest on: a pixel at which so little light still passes that nothing behind can show is closed to the bands that
-//! follow.
+//! *Changes from the paper.* VCSG draws all slices from back to front, hidden or not. *Over* is associative, so slices may as well
+//! come from the nearest on, each blended under what is in front of it. A plan that is cut is drawn so; and between two bands, a
+//! pixel at which so little light still passes that nothing behind can show is closed to the bands that follow.
 //! *Practice.* A pixel is closed when less than one part in [`HIDES_ALL_BUT`] passes, a quarter of a step of 8 bits. The more
-//! bands, the sooner a ray ends and the more often layers are put together.
+//! bands, the sooner a ray ends and the more often pixels are looked at; only those that the last band can have drawn on are.
 
-use std::cmp::Reverse;
 use std::ops::Range;
 
+use glam::DVec2;
+
 use super::composite::Blending;
-use super::{FrameSpec, SlicePlan};
+use super::{FrameSpec, Slice, SlicePlan};
 use crate::interface::HIDES_ALL_BUT;
 
-/// The bands of a plan that is cut. On lavapipe a head with opaque skin in 512² pixels drew fastest with 4 to 6 of them: 1.6 times
-/// as fast as in one, lit 1.75 times.
-const COUNT: usize = 6;
+/// The bands of a plan that is cut. On lavapipe a head with opaque skin in 512² pixels drew equally fast with 8 to 14 of them.
+const COUNT: usize = 10;
 
 /// A plan is cut if a ray can end in this part of the way through it; later it saves less than bands cost.
 const SOON: f64 = 0.25;
@@ -41,11 +40,16 @@ fn least_through(spec: &FrameSpec) -> f64 {
         .powf(SOON * depth / spec.planes().step_mm)
 }
 
-/// `plan` in `count` bands of about as many fragments each, the farthest first; within a band the order stays.
+/// `plan` in at most `count` bands of about as many fragments each. If there are several, the nearest is the first, and within a
+/// band the order is turned round.
 pub fn cut_into(mut plan: SlicePlan, count: usize) -> SlicePlan {
+    let was_cut = plan.is_cut();
     plan.band_faces_mm = faces(&plan, count);
     let mut slices = std::mem::take(&mut plan.slices);
-    slices.sort_by_cached_key(|slice| Reverse(plan.band(slice)));
+    if plan.is_cut() != was_cut {
+        slices.reverse();
+    }
+    slices.sort_by_cached_key(|slice| plan.band(slice));
     plan.slices = slices;
     plan
 }
@@ -72,14 +76,21 @@ fn faces(plan: &SlicePlan, count: usize) -> Vec<f64> {
 
 /// The slices of each band, the nearest band first.
 pub fn ranges(plan: &SlicePlan) -> Vec<Range<usize>> {
-    let mut ranges = Vec::new();
-    let mut end = plan.slices.len();
-    while end > 0 {
-        let band = plan.band(&plan.slices[end - 1]);
-        let run = plan.slices[..end].iter().rev().take_while(|s| plan.band(s) == band);
-        let begin = end - run.count();
-        ranges.push(begin..end);
-        end = begin;
-    }
-    ranges
+    let mut begin = 0;
+    let bands = plan.slices.chunk_by(|a, b| plan.band(a) == plan.band(b));
+    let range = |band: &[Slice]| {
+        let range = begin..begin + band.len();
+        begin = range.end;
+        range
+    };
+    bands.map(range).collect()
+}
+
+/// The part of the frame that some slices lie in: its least and its greatest column and row, in pixels.
+pub fn seen_px(plan: &SlicePlan, slices: Range<usize>) -> [DVec2; 2] {
+    let boxes = plan.slices[slices].chunk_by(|a, b| a.slice_box == b.slice_box);
+    let seen = boxes.map(|slices| plan.boxes[slices[0].slice_box as usize].seen_px);
+    seen.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |a, b| {
+        [a[0].min(b[0]), a[1].max(b[1])]
+    })
 }

@@ -8,7 +8,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::{Camera, Planes, Template, Visibility, VisibleBox, eye_from_lattice};
 use crate::math::affine;
@@ -24,6 +24,8 @@ pub struct SliceBox {
     pub nearest_mm: f64,
     /// Fragments of a slice of it, about.
     pub fragments: f64,
+    /// The part of the frame that it may be seen in: the least and the greatest column and row, in pixels.
+    pub seen_px: [DVec2; 2],
 }
 
 /// One polygon: a plane through a box.
@@ -35,7 +37,7 @@ pub struct Slice {
     pub t_mm: f64,
 }
 
-/// Everything that a sliced frame draws, back to front.
+/// Everything that a sliced frame draws: from back to front, or from the nearest on if it is cut into bands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlicePlan {
     /// From lattice coordinates to the eye frame.
@@ -46,7 +48,7 @@ pub struct SlicePlan {
     pub templates: Vec<Template>,
     /// The boxes, back to front.
     pub boxes: Vec<SliceBox>,
-    /// The slices of all boxes in drawing order: band by band, in each of them box by box, and of each box the farthest plane first.
+    /// The slices of all boxes in drawing order: box by box, of each box the farthest plane first; or in bands, all turned round.
     pub slices: Vec<Slice>,
     /// The depths at which bands meet, rising, millimetres; none if all slices are one band. See [`bands`](super::bands).
     pub band_faces_mm: Vec<f64>,
@@ -74,6 +76,11 @@ impl SlicePlan {
             planner.add(visible);
         }
         planner.plan
+    }
+
+    /// Whether it is in several bands.
+    pub fn is_cut(&self) -> bool {
+        !self.band_faces_mm.is_empty()
     }
 
     /// The depth of a slice, millimetres.
@@ -121,7 +128,8 @@ impl Planner<'_> {
         let farthest_mm = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let visible_from = self.camera.near_mm().max(nearest_mm);
         let planes = self.plan.planes.between(visible_from, farthest_mm);
-        if planes.is_empty() || !self.in_frame(&corners) {
+        let seen_px = self.seen_px(&corners);
+        if planes.is_empty() || seen_px[0].cmpgt(seen_px[1]).any() {
             return;
         }
         let template = self.template(extent);
@@ -140,19 +148,19 @@ impl Planner<'_> {
             template,
             nearest_mm,
             fragments: area_px.min(width * height),
+            seen_px,
         });
     }
 
-    /// Whether a box with these eye-space corners can touch the frame.
-    fn in_frame(&self, corners: &[DVec3; 8]) -> bool {
+    /// The part of the frame in which a box with these eye-space corners may be seen; nothing lies between ends that are crossed.
+    fn seen_px(&self, corners: &[DVec3; 8]) -> [DVec2; 2] {
+        let size = DVec2::from(self.camera.size.map(f64::from));
         if corners.iter().any(|c| c.z < self.camera.near_mm()) {
-            return true;
+            return [DVec2::ZERO, size];
         }
         let places = corners.map(|c| self.camera.project(c));
-        (0..2).all(|a| {
-            let size = f64::from(self.camera.size[a]);
-            places.iter().any(|p| p[a] >= 0.0) && places.iter().any(|p| p[a] <= size)
-        })
+        let [least, greatest] = [DVec2::min, DVec2::max].map(|end| places.into_iter().reduce(end).unwrap_or_default());
+        [least.max(DVec2::ZERO), greatest.min(size)]
     }
 
     fn template(&mut self, extent: [usize; 3]) -> u32 {

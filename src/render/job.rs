@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::depths::DepthScale;
 use super::frame;
-use super::layers::Layers;
+use super::layers::{Layers, Meeting};
 use super::mesh::{ShownMesh, mesh_bounds};
 use super::pages::{Page, PagedTarget};
 use super::slices::{SliceRenderer, TABLE_FORMAT};
@@ -57,22 +57,19 @@ impl Job {
         let scale = DepthScale::new(spec.camera, &drawn_bounds(spec, meshes));
         let surfaces = surfaces(renderer, spec, meshes, &scale, &mut submissions)?;
         let depth = surfaces.as_ref().map(|surfaces| &surfaces.depth);
-        let layers = Layers::new(renderer, spec.camera.size, !plan.band_faces_mm.is_empty(), depth)?;
-        let shared = Shared::new(renderer, spec, paged, plan, &scale, layers.stop(), submissions.last())?;
-        submissions.last().render(layers.clear());
-        for (n, band) in bands::ranges(plan).into_iter().enumerate() {
-            let mut parts = parts(plan, band).into_iter();
-            if let Some((part, fragments)) = parts.next() {
-                let draws = shared.draws(renderer, spec, paged, plan, part)?;
-                submissions.render(layers.begin(n, draws), fragments);
-            }
-            for (part, fragments) in parts {
+        let layers = Layers::new(renderer, spec.camera.size, plan, depth)?;
+        let meeting = Meeting::new(spec, plan, &layers);
+        let shared = Shared::new(renderer, spec, paged, plan, &scale, meeting, submissions.last())?;
+        submissions.last().render(layers.clear(depth));
+        let mut drawn: Option<Range<usize>> = None;
+        for band in bands::ranges(plan) {
+            let close = drawn.and_then(|before| layers.close(bands::seen_px(plan, before)));
+            close.into_iter().for_each(|pass| submissions.last().render(pass));
+            for (part, fragments) in parts(plan, band.clone()) {
                 let draws = shared.draws(renderer, spec, paged, plan, part)?;
                 submissions.render(layers.go_on(draws), fragments);
             }
-            if let Some(end) = layers.end() {
-                submissions.last().render(end);
-            }
+            drawn = Some(band);
         }
         Ok(Self {
             layers,
@@ -149,8 +146,7 @@ fn parts(plan: &SlicePlan, band: Range<usize>) -> Vec<(Range<usize>, f64)> {
 /// Buffers and tables of a frame, and the bindings of each page.
 struct Shared {
     bindings: Vec<Arc<Bindings>>,
-    /// Whether there are depths to stop at.
-    stops: bool,
+    meeting: Meeting,
 }
 
 impl Shared {
@@ -160,14 +156,14 @@ impl Shared {
         paged: &PagedTarget,
         plan: &SlicePlan,
         scale: &DepthScale,
-        stops: bool,
+        meeting: Meeting,
         recording: &mut Recording,
     ) -> Result<Self, GpuError> {
         let device = &renderer.device;
         if plan.slices.is_empty() {
             return Ok(Self {
                 bindings: Vec::new(),
-                stops,
+                meeting,
             });
         }
         let extent = Extent::D1(TABLE_LEN);
@@ -195,7 +191,7 @@ impl Shared {
         };
         Ok(Self {
             bindings: paged.pages.iter().map(bind).collect::<Result<_, _>>()?,
-            stops,
+            meeting,
         })
     }
 
@@ -222,7 +218,7 @@ impl Shared {
             }
             let pipeline = renderer
                 .pipelines
-                .slices(&renderer.device, spec, paged.pages[page].mixed, self.stops)?;
+                .slices(&renderer.device, spec, paged.pages[page].mixed, self.meeting)?;
             draws.push(self.draw(renderer, pipeline, page, begin..end));
             begin = end;
         }

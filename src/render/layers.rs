@@ -1,145 +1,128 @@
-//! The images of a frame that is drawn in bands, and how bands come together.
+//! The images that a frame is drawn into.
 //!
-//! A band is drawn into a layer of its own, over nothing; then it is blended under what is accumulated. Before the next
-//! one, pixels that hide all behind them are closed: they hold the nearest depth, which no slice passes. See
-//! [`bands`](crate::projection::bands). Where there are meshes, depths begin with theirs, so slices stop at them too, in one band
-//! or in several.
+//! Slices are blended into one image, whatever band they are in. Before the next band, pixels that hide all behind them are
+//! closed: they hold the nearest depth, which no slice passes. See [`bands`](crate::projection::bands). Where there are meshes,
+//! depths begin with theirs, so slices stop at them too, in one band or in several.
 
 use std::sync::Arc;
 
-use super::pipelines::Whole;
+use glam::DVec2;
+
 use super::slices::{SliceRenderer, TARGET_FORMAT};
 use crate::gpu::{
-    Binding, Bindings, DEPTH_FORMAT, DepthTarget, Device, Draw, Elements, Extent, GpuError, Image, ImageRole, Load,
-    Push, RenderPass, Target,
+    Binding, Bindings, Blend, DEPTH_FORMAT, DepthTarget, Device, Draw, Elements, Extent, GpuError, Image, ImageRole,
+    Load, Push, RenderPass, Target,
 };
+use crate::interface::RectData;
+use crate::projection::composite::Blending;
+use crate::projection::{FrameSpec, SlicePlan};
 
-/// What all bands are put together in.
+/// What slices are drawn into.
 pub struct Layers {
-    /// All bands so far.
+    /// All slices so far.
     pub accumulated: Arc<Image>,
     /// What slices stop at, if there is anything: meshes, and closed pixels.
-    stops: Option<Stops>,
-    /// Where bands are drawn, if there are several.
-    band: Option<Band>,
+    depth: Option<Arc<Image>>,
+    /// Closes pixels, if there are several bands.
+    close: Option<Draw>,
 }
 
-/// Depths to stop at.
-struct Stops {
-    depth: Arc<Image>,
-    /// What they begin with.
-    first: Load<f32>,
+/// How slices meet what is drawn already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Meeting {
+    /// Colours.
+    pub blend: Blend,
+    /// Whether there are depths to stop at.
+    pub stops: bool,
 }
 
-/// What a band is drawn with.
-struct Band {
-    layer: Arc<Image>,
-    /// Blends the layer under what is accumulated.
-    merge: Draw,
-    /// Closes pixels.
-    close: Draw,
+impl Meeting {
+    /// Of the slices of `plan`, with or without depths to stop at.
+    pub fn new(spec: &FrameSpec, plan: &SlicePlan, layers: &Layers) -> Self {
+        Self {
+            blend: match spec.settings.mode.blending() {
+                Blending::Over if plan.is_cut() => Blend::Under,
+                Blending::Over => Blend::Over,
+                Blending::Add => Blend::Add,
+                Blending::Max => Blend::Max,
+            },
+            stops: layers.depth.is_some(),
+        }
+    }
 }
 
 impl Layers {
-    /// Images for a frame of `width` by `height` pixels, in one band or in several, among meshes of depths `meshes`.
+    /// Images for a frame of `plan`, `width` by `height` pixels, among meshes of depths `meshes`.
     pub fn new(
         renderer: &mut SliceRenderer,
         [width, height]: [u32; 2],
-        several: bool,
+        plan: &SlicePlan,
         meshes: Option<&Arc<Image>>,
     ) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
         let extent = Extent::D2(width, height);
         let accumulated = color(&device, "frame", extent)?;
-        let stops = match meshes {
-            Some(depth) => Some(Stops {
-                depth: Arc::clone(depth),
-                first: Load::Keep,
-            }),
-            None if several => Some(Stops {
-                depth: depths(&device, extent)?,
-                first: Load::Clear(1.0),
-            }),
+        let depth = match meshes {
+            Some(depth) => Some(Arc::clone(depth)),
+            None if plan.is_cut() => Some(depths(&device, extent)?),
             None => None,
         };
-        let band = several.then(|| Band::new(renderer, &accumulated, extent)).transpose()?;
+        let close = plan.is_cut().then(|| close(renderer, &accumulated)).transpose()?;
         Ok(Self {
             accumulated,
-            stops,
-            band,
+            depth,
+            close,
         })
     }
 
-    /// Whether there are depths that slices stop at.
-    pub fn stop(&self) -> bool {
-        self.stops.is_some()
-    }
-
-    /// Makes the frame transparent.
-    pub fn clear(&self) -> RenderPass {
+    /// Makes the frame transparent, and its depths the farthest unless they are those of `meshes`.
+    pub fn clear(&self, meshes: Option<&Arc<Image>>) -> RenderPass {
+        let far = if meshes.is_some() { Load::Keep } else { Load::Clear(1.0) };
         RenderPass {
             targets: vec![target(&self.accumulated, Load::Clear([0.0; 4]))],
-            depth: None,
+            depth: self.depth.as_ref().map(|image| depth(image, far)),
             draws: Vec::new(),
         }
     }
 
-    /// Begins band `n`, counted from the nearest, with `draws`.
-    pub fn begin(&self, n: usize, draws: Vec<Draw>) -> RenderPass {
-        let Some(band) = &self.band else {
-            return self.go_on(draws);
-        };
-        let close = (n > 0).then(|| band.close.clone());
-        RenderPass {
-            targets: vec![target(&band.layer, Load::Clear([0.0; 4]))],
-            depth: self.stops.as_ref().map(|stops| {
-                let load = if n == 0 { stops.first } else { Load::Keep };
-                depth(&stops.depth, load)
-            }),
-            draws: close.into_iter().chain(draws).collect(),
-        }
-    }
-
-    /// Goes on with the band at hand.
+    /// Goes on with `draws`.
     pub fn go_on(&self, draws: Vec<Draw>) -> RenderPass {
-        let image = self.band.as_ref().map_or(&self.accumulated, |band| &band.layer);
         RenderPass {
-            targets: vec![target(image, Load::Keep)],
-            depth: self.stops.as_ref().map(|stops| depth(&stops.depth, Load::Keep)),
+            targets: vec![target(&self.accumulated, Load::Keep)],
+            depth: self.kept_depth(),
             draws,
         }
     }
 
-    /// Puts the band at hand behind those before it.
-    pub fn end(&self) -> Option<RenderPass> {
-        let band = self.band.as_ref()?;
+    /// Closes what hides all behind it between two places (columns and rows in pixels), if pixels are closed at all.
+    pub fn close(&self, [least, greatest]: [DVec2; 2]) -> Option<RenderPass> {
+        let [width, height, _] = self.accumulated.extent().edges().map(f64::from);
+        let size = DVec2::new(width, height);
+        let [a, b] = [least / size, greatest / size].map(|end| end.as_vec2());
+        let close = Draw {
+            push: Push::of(&RectData {
+                ends: [a.x, a.y, b.x, b.y],
+            }),
+            ..self.close.clone()?
+        };
         Some(RenderPass {
-            targets: vec![target(&self.accumulated, Load::Keep)],
-            depth: None,
-            draws: vec![band.merge.clone()],
+            targets: Vec::new(),
+            depth: self.kept_depth(),
+            draws: vec![close],
         })
+    }
+
+    fn kept_depth(&self) -> Option<DepthTarget> {
+        self.depth.as_ref().map(|image| depth(image, Load::Keep))
     }
 }
 
-impl Band {
-    fn new(renderer: &mut SliceRenderer, accumulated: &Arc<Image>, extent: Extent) -> Result<Self, GpuError> {
-        let device = Arc::clone(&renderer.device);
-        let layer = color(&device, "band", extent)?;
-        let merge = whole(renderer, Whole::Merge, &layer)?;
-        Ok(Self {
-            layer,
-            merge,
-            close: whole(renderer, Whole::Close, accumulated)?,
-        })
-    }
-}
-
-/// A draw of the whole frame that reads `image` pixel by pixel.
-fn whole(renderer: &mut SliceRenderer, what: Whole, image: &Arc<Image>) -> Result<Draw, GpuError> {
-    let entry = Binding::SampledImage(Arc::clone(image), Arc::clone(&renderer.nearest));
+/// Closes pixels of a rectangle that `accumulated` hides all behind.
+fn close(renderer: &mut SliceRenderer, accumulated: &Arc<Image>) -> Result<Draw, GpuError> {
+    let entry = Binding::SampledImage(Arc::clone(accumulated), Arc::clone(&renderer.nearest));
     Ok(Draw {
-        bindings: Some(Bindings::new(&renderer.device, image.label(), &[entry])?),
-        pipeline: renderer.pipelines.whole(&renderer.device, what)?,
+        bindings: Some(Bindings::new(&renderer.device, accumulated.label(), &[entry])?),
+        pipeline: renderer.pipelines.close(&renderer.device)?,
         push: Push::NONE,
         stream: None,
         elements: Elements::Vertices(0..4),

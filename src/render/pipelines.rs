@@ -5,13 +5,13 @@ use std::hash::Hash;
 use std::sync::Arc;
 
 use super::frame;
+use super::layers::Meeting;
 use super::mesh_pieces::VERTEX_INPUT;
 use super::slices::TARGET_FORMAT;
-use crate::gpu::{BindingKind, Blend, Depth, Device, GpuError, GraphicsPipeline, PipelineDesc, Topology};
-use crate::interface::MeshData;
-use crate::projection::composite::Blending;
+use crate::gpu::{BindingKind, Depth, Device, GpuError, GraphicsPipeline, PipelineDesc, Topology};
+use crate::interface::{MeshData, RectData};
 use crate::projection::{FrameSpec, Lens};
-use crate::shaders::{CLOSE_FRAG, MERGE_FRAG, MESH_FRAG, MESH_VERT, SLICES_FRAG, SLICES_VERT, WHOLE_VERT};
+use crate::shaders::{CLOSE_FRAG, CLOSE_VERT, MESH_FRAG, MESH_VERT, SLICES_FRAG, SLICES_VERT};
 
 /// What distinguishes one pipeline from another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,8 +21,7 @@ struct Variant {
     lights: u32,
     shininess_log2: u32,
     perspective: bool,
-    /// There are depths to stop at: of meshes, or of closed pixels.
-    stops: bool,
+    meeting: Meeting,
 }
 
 /// What distinguishes one pipeline of meshes from another.
@@ -40,21 +39,12 @@ pub struct MeshVariant {
     pub perspective: bool,
 }
 
-/// What is done to whole frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Whole {
-    /// A band is blended under what is accumulated.
-    Merge,
-    /// Pixels that hide all behind them are closed.
-    Close,
-}
-
 /// The pipelines made so far.
 #[derive(Default)]
 pub struct Pipelines {
     slices: HashMap<Variant, Arc<GraphicsPipeline>>,
     meshes: HashMap<MeshVariant, Arc<GraphicsPipeline>>,
-    whole: HashMap<Whole, Arc<GraphicsPipeline>>,
+    close: Option<Arc<GraphicsPipeline>>,
 }
 
 impl Pipelines {
@@ -64,13 +54,10 @@ impl Pipelines {
         device: &Arc<Device>,
         spec: &FrameSpec,
         mixed: bool,
-        stops: bool,
+        meeting: Meeting,
     ) -> Result<Arc<GraphicsPipeline>, GpuError> {
-        let variant = variant(spec, mixed, stops);
-        let blending = spec.settings.mode.blending();
-        made(&mut self.slices, variant, || {
-            slices_pipeline(device, &variant, blending)
-        })
+        let variant = variant(spec, mixed, meeting);
+        made(&mut self.slices, variant, || slices_pipeline(device, &variant))
     }
 
     /// The pipeline that draws meshes as `variant` says.
@@ -78,9 +65,14 @@ impl Pipelines {
         made(&mut self.meshes, variant, || mesh_pipeline(device, &variant))
     }
 
-    /// The pipeline that does `what`, with one image bound.
-    pub fn whole(&mut self, device: &Arc<Device>, what: Whole) -> Result<Arc<GraphicsPipeline>, GpuError> {
-        made(&mut self.whole, what, || whole_pipeline(device, what))
+    /// The pipeline that closes pixels of a rectangle, with what is accumulated bound.
+    pub fn close(&mut self, device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError> {
+        if let Some(pipeline) = &self.close {
+            return Ok(Arc::clone(pipeline));
+        }
+        let pipeline = close_pipeline(device)?;
+        self.close = Some(Arc::clone(&pipeline));
+        Ok(pipeline)
     }
 }
 
@@ -98,7 +90,7 @@ fn made<K: Copy + Eq + Hash>(
     Ok(pipeline)
 }
 
-fn variant(spec: &FrameSpec, mixed: bool, stops: bool) -> Variant {
+fn variant(spec: &FrameSpec, mixed: bool, meeting: Meeting) -> Variant {
     let shading = spec.shading();
     Variant {
         mode: frame::mode_constant(spec.settings.mode),
@@ -106,7 +98,7 @@ fn variant(spec: &FrameSpec, mixed: bool, stops: bool) -> Variant {
         lights: shading.map_or(0, |s| s.lights.len() as u32),
         shininess_log2: shading.map_or(0, |s| s.material.shininess_log2),
         perspective: matches!(spec.camera.lens, Lens::Perspective { .. }),
-        stops,
+        meeting,
     }
 }
 
@@ -120,16 +112,7 @@ const BINDINGS: [BindingKind; 7] = [
     BindingKind::Storage,
 ];
 
-fn slices_pipeline(
-    device: &Arc<Device>,
-    variant: &Variant,
-    blending: Blending,
-) -> Result<Arc<GraphicsPipeline>, GpuError> {
-    let blend = match blending {
-        Blending::Over => Blend::Over,
-        Blending::Add => Blend::Add,
-        Blending::Max => Blend::Max,
-    };
+fn slices_pipeline(device: &Arc<Device>, variant: &Variant) -> Result<Arc<GraphicsPipeline>, GpuError> {
     GraphicsPipeline::new(
         device,
         &PipelineDesc {
@@ -143,8 +126,8 @@ fn slices_pipeline(
                 (3, variant.shininess_log2),
                 (4, u32::from(variant.perspective)),
             ],
-            color_targets: &[(TARGET_FORMAT, Some(blend))],
-            depth: variant.stops.then_some(Depth::Test),
+            color_targets: &[(TARGET_FORMAT, Some(variant.meeting.blend))],
+            depth: variant.meeting.stops.then_some(Depth::Test),
             bindings: &BINDINGS,
             ..PipelineDesc::default()
         },
@@ -175,20 +158,16 @@ fn mesh_pipeline(device: &Arc<Device>, variant: &MeshVariant) -> Result<Arc<Grap
     )
 }
 
-fn whole_pipeline(device: &Arc<Device>, what: Whole) -> Result<Arc<GraphicsPipeline>, GpuError> {
-    let (label, fragment_spirv, blend, depth) = match what {
-        Whole::Merge => ("merge", MERGE_FRAG, Blend::Under, None),
-        Whole::Close => ("close", CLOSE_FRAG, Blend::Over, Some(Depth::TestAndHold)),
-    };
+fn close_pipeline(device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError> {
     GraphicsPipeline::new(
         device,
         &PipelineDesc {
-            label,
-            vertex_spirv: WHOLE_VERT,
-            fragment_spirv,
-            color_targets: &[(TARGET_FORMAT, Some(blend))],
-            depth,
+            label: "close",
+            vertex_spirv: CLOSE_VERT,
+            fragment_spirv: CLOSE_FRAG,
+            depth: Some(Depth::TestAndHold),
             bindings: &[BindingKind::SampledImage],
+            push_bytes: size_of::<RectData>() as u32,
             topology: Topology::TriangleStrip,
             ..PipelineDesc::default()
         },

@@ -69,14 +69,25 @@ fn without_box(plan: &mut SlicePlan, dropped: u32) {
     plan.slices.retain(|slice| slice.slice_box != dropped);
 }
 
-/// Draws the boxes in the opposite order, each still from back to front.
+/// Draws box by box, in the order of what `place` gives for a box's place in the right order.
+fn reordered(plan: &mut SlicePlan, place: impl Fn(u32) -> u32) {
+    let last = plan.boxes.len() as u32 - 1;
+    let nearest_first = plan.is_cut();
+    plan.slices.sort_by_key(|slice| match nearest_first {
+        true => last - place(slice.slice_box),
+        false => place(slice.slice_box),
+    });
+}
+
+/// Draws the boxes in the opposite order, the slices of each still in the right one.
 fn reversed(plan: &mut SlicePlan) {
-    plan.slices.sort_by_key(|slice| std::cmp::Reverse(slice.slice_box));
+    let last = plan.boxes.len() as u32 - 1;
+    reordered(plan, |n| last - n);
 }
 
 /// Draws two boxes in each other's place.
 fn swapped(plan: &mut SlicePlan, [a, b]: [u32; 2]) {
-    plan.slices.sort_by_key(|slice| match slice.slice_box {
+    reordered(plan, |n| match n {
         n if n == a => b,
         n if n == b => a,
         n => n,
@@ -105,7 +116,9 @@ pub fn swapped_blocks_are_out_of_bounds() {
     on_device(|bench| {
         let mut case = Case::new(bench);
         let wrong = case.spoiled(bench, reversed);
-        case.require_discerned("front to back", &wrong);
+        case.require_discerned("boxes in the opposite order", &wrong);
+        let in_place = case.spoiled(bench, |plan| swapped(plan, [0, 0]));
+        assert_eq!(case.bounds.pixels_outside(&in_place), 0, "box by box");
         // The farthest box and the nearest that lies over it.
         let boxes = case.prepared.plan.boxes.len() as u32;
         let most = (1..boxes)

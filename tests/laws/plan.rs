@@ -116,20 +116,56 @@ impl Planned {
         Ok(())
     }
 
-    /// Bands come one after another, in each of them boxes, and the planes of each box from far to near.
+    /// Boxes come one after another, and the planes of each from far to near.
     fn runs_from_far_to_near(&self) -> Result<(), String> {
-        let rises = |pair: &[Slice]| {
-            let bands = [&pair[0], &pair[1]].map(|slice| self.plan.band(slice));
-            match pair[0].slice_box == pair[1].slice_box {
+        self.in_order(|a, b| match a.slice_box == b.slice_box {
+            true => a.t_mm > b.t_mm,
+            false => a.slice_box < b.slice_box,
+        })
+    }
+
+    /// Bands come one after another, the nearest first, in each of them boxes, and the planes of each box from near to far.
+    fn runs_from_near_to_far(&self) -> Result<(), String> {
+        self.in_order(|a, b| {
+            let bands = [a, b].map(|slice| self.plan.band(slice));
+            match a.slice_box == b.slice_box {
                 _ if bands[0] != bands[1] => bands[0] < bands[1],
-                true => pair[0].t_mm <= pair[1].t_mm,
-                false => pair[0].slice_box > pair[1].slice_box,
+                true => a.t_mm < b.t_mm,
+                false => a.slice_box > b.slice_box,
             }
-        };
-        match self.plan.slices.windows(2).find(|pair| rises(pair)) {
+        })
+    }
+
+    /// Each slice may be drawn before the next.
+    fn in_order(&self, may_follow: impl Fn(&Slice, &Slice) -> bool) -> Result<(), String> {
+        let wrong = |pair: &&[Slice]| !may_follow(&pair[0], &pair[1]);
+        match self.plan.slices.windows(2).find(wrong) {
             Some(pair) => Err(format!("{pair:?} are out of order")),
             None => Ok(()),
         }
+    }
+
+    /// The part of the frame that each band may be seen in holds what its polygons show of the frame.
+    fn bands_are_seen_where_they_are(&self) -> Result<(), String> {
+        let size = DVec2::from(self.camera.size.map(f64::from));
+        let matrix = self.plan.eye_from_lattice.matrix3;
+        let voxel_mm = [0, 1, 2]
+            .map(|a| matrix.col(a).length())
+            .into_iter()
+            .fold(0.0, f64::max);
+        for band in bands::ranges(&self.plan) {
+            let [least, greatest] = bands::seen_px(&self.plan, band.clone());
+            let vertices = self.plan.slices[band].iter().flat_map(|slice| self.plan.polygon(slice));
+            for vertex in vertices {
+                let eye = affine::point(&self.plan.eye_from_lattice, vertex);
+                let near_px = NEAR * voxel_mm * self.camera.pixels_per_mm(eye.z);
+                let shown = self.camera.project(eye).clamp(DVec2::ZERO, size);
+                if shown.cmplt(least - near_px).any() || shown.cmpgt(greatest + near_px).any() {
+                    return Err(format!("{shown} is not within {least} and {greatest}"));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Each polygon lies in its plane and box, and has the area of the plane's square clipped by the box.
@@ -260,7 +296,11 @@ proptest! {
         if let Some(mut planned) = Planned::new(&target, camera, 1.0) {
             let whole = planned.plan.slices.clone();
             planned.plan = bands::cut_into(planned.plan, count);
-            prop_assert_eq!(planned.runs_from_far_to_near(), Ok(()));
+            prop_assert_eq!(
+                if planned.plan.is_cut() { planned.runs_from_near_to_far() } else { planned.runs_from_far_to_near() },
+                Ok(())
+            );
+            prop_assert_eq!(planned.bands_are_seen_where_they_are(), Ok(()));
             let key = |slice: &Slice| (slice.slice_box, slice.t_mm.to_bits());
             let sorted = |slices: &[Slice]| {
                 let mut keys: Vec<_> = slices.iter().map(key).collect();
@@ -270,7 +310,7 @@ proptest! {
             prop_assert_eq!(sorted(&planned.plan.slices), sorted(&whole));
             let ranges = bands::ranges(&planned.plan);
             prop_assert!(ranges.len() <= count, "{} bands", ranges.len());
-            let drawn: Vec<usize> = ranges.into_iter().rev().flatten().collect();
+            let drawn: Vec<usize> = ranges.into_iter().flatten().collect();
             prop_assert_eq!(drawn, (0..whole.len()).collect::<Vec<_>>());
         }
     }
@@ -278,7 +318,7 @@ proptest! {
 
 #[test]
 fn a_slice_in_the_wrong_band_is_seen() {
-    let ordered = |planned: &Planned, _: &[DVec3]| planned.runs_from_far_to_near();
+    let ordered = |planned: &Planned, _: &[DVec3]| planned.runs_from_near_to_far();
     let swapped = |plan: &mut SlicePlan| {
         *plan = bands::cut_into(plan.clone(), 4);
         plan.slices.rotate_left(1);
