@@ -274,7 +274,7 @@ fn a_preset_may_have_a_window() {
 #[test]
 fn a_target_is_known_by_its_covered_values_only() {
     let scene = parse(
-        "scene spacing=1 { box min=\"0 0 0\" max=\"40 40 40\" value=-1000; box min=\"60 0 0\" max=\"70 40 40\" value=500 }",
+        "scene spacing=1 { box min=\"0 0 0\" max=\"40 40 40\" value=-1000 filter=0; box min=\"60 0 0\" max=\"70 40 40\" value=500 filter=0 }",
     );
     let scene = scene.unwrap();
     let target = scene.target.build(&scene.model).unwrap();

@@ -294,13 +294,18 @@ impl Leaf {
     /// On which side of the leaf's boundary a point of the tree's frame lies, as the tree tells it.
     fn side_of(&self, point: DVec3) -> Overlap {
         let local = affine::point(&self.local_from_frame, point);
-        let inside = self.local_bounds.contains(local)
-            && match &self.source {
-                Source::Volume(_) => true,
-                // Half covered is inside: a soft surface lies where its solid's does.
-                Source::Primitive(placed) => placed.coverage(local) >= 0.5,
-            };
-        if inside { Overlap::Inside } else { Overlap::Outside }
+        if !self.local_bounds.contains(local) {
+            return Overlap::Outside;
+        }
+        match &self.source {
+            Source::Volume(_) => Overlap::Inside,
+            // Within a soft surface a block is neither, however small it is.
+            Source::Primitive(placed) => match placed.coverage(local) {
+                0.0 => Overlap::Outside,
+                1.0 => Overlap::Inside,
+                _ => Overlap::Partial,
+            },
+        }
     }
 
     /// What the leaf can be at points of `local`, a box of its own frame, that lie inside it.

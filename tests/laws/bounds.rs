@@ -44,8 +44,9 @@ fn points_round(bounds: &Aabb, fractions: &[DVec3]) -> Vec<DVec3> {
         .collect()
 }
 
+/// The model without soft surfaces, and its box.
 fn world_tree(scene: &Scene) -> (Tree, Aabb) {
-    let tree = Tree::new(&scene.model, &glam::DAffine3::IDENTITY).expect("a small tree");
+    let tree = Tree::in_world(&scene.model, 0.0).expect("a small tree");
     let bounds = scene.model.bounds()[scene.model.nodes().len() - 1];
     (tree, bounds)
 }
@@ -60,6 +61,14 @@ proptest! {
     #[test]
     fn the_box_holds_the_model(scene in scene(), fractions in fractions()) {
         let (tree, bounds) = world_tree(&scene);
+        let points = points_round(&bounds, &fractions);
+        prop_assert_eq!(nothing_outside(&tree, &bounds, &points), Ok(()));
+    }
+
+    #[test]
+    fn the_tree_s_box_holds_soft_surfaces(scene in scene(), fractions in fractions(), voxel_mm in 0.1f64..2.0) {
+        let tree = Tree::in_world(&scene.model, voxel_mm).expect("a small tree");
+        let bounds = tree.bounds_in(&glam::DAffine3::IDENTITY);
         let points = points_round(&bounds, &fractions);
         prop_assert_eq!(nothing_outside(&tree, &bounds, &points), Ok(()));
     }

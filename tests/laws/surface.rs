@@ -178,7 +178,8 @@ fn baked(target: &Target) -> Result<Grid, TestCaseError> {
     let value = |n: usize| {
         let at = [n % nx, n / nx % ny, n / (nx * ny)].map(|i| i as i64);
         let sample = voxels.sample(at);
-        if sample.coverage > 0.0 { sample.value } else { f32::NAN }
+        // Half covered is there: a soft surface lies where its solid's does.
+        if sample.coverage >= 0.5 { sample.value } else { f32::NAN }
     };
     let values = (0..nx * ny * nz).map(value).collect();
     Grid::new([nx, ny, nz], target.lattice.world_from_lattice, Voxels::F32(values))
