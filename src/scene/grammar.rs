@@ -270,7 +270,7 @@ pub(super) const SHAPES: &[Rule] = &[
     rule(
         "cut",
         0,
-        &["point", "normal"],
+        &["point", "normal", "filter"],
         Shapes,
         "cut point=\"0 0 0\" normal=\"0 1 0\" { … }",
     ),

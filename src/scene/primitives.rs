@@ -28,8 +28,8 @@ pub(super) fn primitive(element: &Element) -> Result<Option<PlacedPrimitive>> {
         return Ok(None);
     };
     let mut primitive = Primitive::soft(solid, value(element)?);
-    if let Some(filter) = element.get("filter") {
-        primitive.filter_voxels = filter.within(0.0, Primitive::MAX_FILTER_VOXELS)?;
+    if let Some(voxels) = filter_voxels(element)? {
+        primitive.filter_voxels = voxels;
     }
     if element.allows("shell")
         && let Some(shell) = element.get("shell")
@@ -45,6 +45,12 @@ pub(super) fn primitive(element: &Element) -> Result<Option<PlacedPrimitive>> {
         primitive,
         parent_from_local,
     }))
+}
+
+/// The radius of the filter, voxels, if it is said.
+pub(super) fn filter_voxels(element: &Element) -> Result<Option<f64>> {
+    let filter = element.get("filter");
+    filter.map(|v| v.within(0.0, Primitive::MAX_FILTER_VOXELS)).transpose()
 }
 
 /// A primitive's `value`, 1 unless said.

@@ -95,11 +95,7 @@ impl<'l> TreeBuilder<'l> {
             "map" => self.mapped(element, scope),
             "complement" => self.complement(element, scope),
             "repeat" => self.repeated(element, scope),
-            "cut" => {
-                let plane = leaves::plane(&element)?;
-                let child = self.united(element, scope)?;
-                Ok(self.model.push(Node::Cut { child, plane }))
-            }
+            "cut" => self.cut(element, scope),
             _ => self.primitive_or_transform(element, scope),
         }
     }
@@ -129,6 +125,28 @@ impl<'l> TreeBuilder<'l> {
             child,
             parent_from_child,
         })
+    }
+
+    /// The children on one side of a plane; a soft cut is the product with a soft half-space.
+    fn cut(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let plane = leaves::plane(&element)?;
+        let filter_voxels = primitives::filter_voxels(&element)?.unwrap_or(0.0);
+        let child = self.united(element, scope)?;
+        if filter_voxels == 0.0 {
+            return Ok(self.model.push(Node::Cut { child, plane }));
+        }
+        let half_space = Primitive {
+            filter_voxels,
+            ..Primitive::soft(Solid::HalfSpace(plane), 0.0)
+        };
+        let second = self.model.push(Node::Primitive(half_space));
+        Ok(self.model.push(Node::Combine(Combine {
+            op: BooleanOp::Intersection,
+            rule: ValueRule::First,
+            family: Family::Product,
+            first: child,
+            second,
+        })))
     }
 
     /// Everything but the child.

@@ -158,7 +158,8 @@ impl Solid {
         }
         let most = filter::most_at(distance);
         let least = 1.0 - filter::most_at(-distance);
-        self.soft_density(p, support).clamp(least, most)
+        // Near the filter's rim the two may have rounded past each other.
+        self.soft_density(p, support).max(least).min(most)
     }
 
     fn soft_density(&self, p: DVec3, support: &Support) -> f64 {
