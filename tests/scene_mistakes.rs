@@ -48,6 +48,62 @@ const IN_SCENE: &[Mistake] = &[
         16,
         "it must be a direction, not of length 0",
     ),
+    (
+        "cylinder radius=0 from=\"0 0 0\" to=\"0 0 1\"",
+        14,
+        "`radius` is 0; it must be above 0",
+    ),
+    (
+        "cylinder radius=1 from=\"0 0 1\" to=\"0 0 1\"",
+        36,
+        "it must be another point than `from`",
+    ),
+    (
+        "cone radius=1 top-radius=-1 from=\"0 0 0\" to=\"0 0 1\"",
+        19,
+        "`top-radius` is -1",
+    ),
+    ("torus radius=3 tube=3", 20, "it must be below `radius`"),
+    ("ellipsoid radii=\"1 0 1\"", 15, "it must be above 0 on each axis"),
+    (
+        "box min=\"0 0 0\" max=\"4 4 4\" round=3",
+        33,
+        "at most half of the box's least extent",
+    ),
+    (
+        "prism sides=2 radius=1 from=\"0 0 0\" to=\"0 0 1\"",
+        11,
+        "it must be a whole number in 3..64",
+    ),
+    (
+        "thread radius=2 depth=2 pitch=1 turns=3",
+        21,
+        "it must be below `radius`",
+    ),
+    ("helix radius=9 tube=2 pitch=0 turns=3", 27, "`pitch` is 0"),
+    (
+        "polyhedron { corner \"0 0 0\"; corner \"1 0 0\"; corner \"0 1 0\"; corner \"1 1 0\" }",
+        5,
+        "do not all lie in one plane",
+    ),
+    (
+        "waves size=\"9 9\" depth=2 amplitude=2",
+        22,
+        "it must be above `amplitude`",
+    ),
+    ("sphere radius=1 filter=-1", 21, "it must be in 0..64"),
+    ("sphere radius=1 filter=#nan", 21, "it must be a finite number"),
+    ("sphere radius=1 shell=0", 21, "`shell` is 0; it must be above 0"),
+    (
+        "helix radius=9 tube=2 pitch=5 turns=3 shell=1",
+        43,
+        "`helix` has no property `shell`",
+    ),
+    (
+        "repeat count=0 { sphere radius=1 }",
+        12,
+        "it must be a whole number in 1..100000",
+    ),
     ("union", 5, "`union` needs at least one child, and has 0"),
     (
         "subtract { sphere radius=1 }",

@@ -30,19 +30,13 @@ impl Lines {
         let length = unit.z_axis.length();
         let axis = unit.z_axis / length;
         let across = [unit.x_axis, unit.y_axis].map(|v| v - axis * v.dot(axis));
-        // The ball's half-width across: rows of the map from the unit ball.
-        let rows = support.local_from_unit.transpose();
         Self {
             middle,
             across,
             along: DVec3::new(unit.x_axis.dot(axis), unit.y_axis.dot(axis), length),
             scale: unit.determinant().abs() / length,
             is_ball: support.is_ball,
-            reach: if support.is_ball {
-                support.reach
-            } else {
-                rows.x_axis.length().hypot(rows.y_axis.length())
-            },
+            reach: reach_across(support),
         }
     }
 
@@ -63,6 +57,17 @@ impl Lines {
         let place = |z: f64| shift + self.along.z * (z - self.middle.z);
         self.scale * filter::chord(q, place(lo), place(hi))
     }
+}
+
+/// The larger half-axis of the ellipse that the ball is, seen along z: from the rows x and y of its map.
+fn reach_across(support: &Support) -> f64 {
+    let rows = support.local_from_unit.transpose();
+    let (x, y, skew) = (
+        rows.x_axis.length_squared(),
+        rows.y_axis.length_squared(),
+        rows.x_axis.dot(rows.y_axis),
+    );
+    (0.5 * (x + y) + (0.5 * (x - y)).hypot(skew)).sqrt()
 }
 
 /// `lo`, `hi` and the `knots` between them, for each stretch from one to the next.

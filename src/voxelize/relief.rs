@@ -13,6 +13,7 @@ use crate::math::Aabb;
 use crate::math::quadrature::GaussLegendre;
 
 static LINES: LazyLock<GaussLegendre<12>> = LazyLock::new(GaussLegendre::new);
+static MANY_LINES: LazyLock<GaussLegendre<32>> = LazyLock::new(GaussLegendre::new);
 
 /// A plate about the origin whose upper face is wavy: at `(x, y)` it ends at `amplitude · cos(2πx/λ.x) · cos(2πy/λ.y)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,19 +127,30 @@ impl Relief {
     /// The density at `p`.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
         let lines = Lines::new(p, support);
+        // A stretched ball fills its square less evenly.
+        let sum = if lines.is_ball {
+            self.integrated(&lines, &LINES)
+        } else {
+            self.integrated(&lines, &MANY_LINES)
+        };
+        sum.clamp(0.0, 1.0)
+    }
+
+    /// The integral over lines, by `rule` along x and along y.
+    fn integrated<const N: usize>(&self, lines: &Lines, rule: &GaussLegendre<N>) -> f64 {
         let (lo, hi) = (lines.middle() - lines.reach, lines.middle() + lines.reach);
         let mut sum = 0.0;
         for (from, to) in stretches(lo.x, hi.x, &self.knots(0.0)[0]) {
-            for (x, weight) in LINES.over(from, to) {
+            for (x, weight) in rule.over(from, to) {
                 for (from, to) in stretches(lo.y, hi.y, &self.knots(x)[1]) {
-                    sum += weight
-                        * LINES.integrate(from, to, |y| {
-                            let at = DVec2::new(x, y);
-                            self.interval(at).map_or(0.0, |interval| lines.stretch(at, interval))
-                        });
+                    let along = |y: f64| {
+                        let at = DVec2::new(x, y);
+                        self.interval(at).map_or(0.0, |interval| lines.stretch(at, interval))
+                    };
+                    sum += weight * rule.integrate(from, to, along);
                 }
             }
         }
-        sum.clamp(0.0, 1.0)
+        sum
     }
 }

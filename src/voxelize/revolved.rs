@@ -22,6 +22,8 @@ use crate::math::quadrature::GaussLegendre;
 static RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static ANGLES: LazyLock<GaussLegendre<12>> = LazyLock::new(GaussLegendre::new);
 static HALF_ANGLES: LazyLock<GaussLegendre<6>> = LazyLock::new(GaussLegendre::new);
+static MANY_RADII: LazyLock<GaussLegendre<16>> = LazyLock::new(GaussLegendre::new);
+static MANY_ANGLES: LazyLock<GaussLegendre<32>> = LazyLock::new(GaussLegendre::new);
 
 /// The density at `p` of `profile` turned about the z axis.
 pub fn density(profile: &Profile, p: DVec3, support: &Support) -> f64 {
@@ -129,21 +131,37 @@ pub fn integrated(profile: &Profile, p: DVec3, support: &Support) -> f64 {
 /// smooth between the distances `knots` and the directions `cuts` (radians), each rising. Without cuts `f` is the same in all
 /// directions.
 pub(super) fn over_rings(lines: &Lines, knots: &[f64], cuts: &[f64], f: impl Fn(f64, DVec2) -> f64) -> f64 {
-    let (distance, reach) = (lines.middle().length(), lines.reach);
     let towards = lines.middle().to_angle();
+    let at = |rho: f64, angle: f64| f(rho, DVec2::from_angle(angle) * rho);
+    if lines.is_ball && cuts.is_empty() {
+        return rings(&RADII, lines, knots, |rho, half| {
+            2.0 * HALF_ANGLES.integrate(towards, towards + half, |angle| at(rho, angle))
+        });
+    }
+    let arcs = |half: f64| stretches(towards - half, towards + half, cuts);
+    if lines.is_ball {
+        rings(&RADII, lines, knots, |rho, half| {
+            arcs(half)
+                .map(|(from, to)| ANGLES.integrate(from, to, |angle| at(rho, angle)))
+                .sum()
+        })
+    } else {
+        // A stretched ball fills its rings less evenly, and is the rarer case.
+        rings(&MANY_RADII, lines, knots, |rho, half| {
+            arcs(half)
+                .map(|(from, to)| MANY_ANGLES.integrate(from, to, |angle| at(rho, angle)))
+                .sum()
+        })
+    }
+}
+
+/// The integral over rings of `arc`, the integral over a ring's directions given its radius and half the angle it spans.
+fn rings<const N: usize>(radii: &GaussLegendre<N>, lines: &Lines, knots: &[f64], arc: impl Fn(f64, f64) -> f64) -> f64 {
+    let (distance, reach) = (lines.middle().length(), lines.reach);
     let mut sum = 0.0;
     for (from, to) in stretches((distance - reach).max(0.0), distance + reach, knots) {
-        for (rho, w_rho) in RADII.over(from, to) {
-            let half = half_angle(distance, rho, reach);
-            let at = |angle: f64| f(rho, DVec2::from_angle(angle) * rho);
-            let arc: f64 = if lines.is_ball && cuts.is_empty() {
-                2.0 * HALF_ANGLES.integrate(towards, towards + half, at)
-            } else {
-                stretches(towards - half, towards + half, cuts)
-                    .map(|(from, to)| ANGLES.integrate(from, to, at))
-                    .sum()
-            };
-            sum += w_rho * rho * arc;
+        for (rho, weight) in radii.over(from, to) {
+            sum += weight * rho * arc(rho, half_angle(distance, rho, reach));
         }
     }
     sum

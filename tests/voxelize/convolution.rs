@@ -12,7 +12,7 @@ use vcsg::voxelize::{Primitive, Solid};
 use crate::cases::{Case, KINDS, Random};
 
 /// The filter's radius, millimetres, at voxels of 1 mm.
-const RADIUS: f64 = 2.0;
+pub const RADIUS: f64 = 2.0;
 
 /// Points of the unit ball that are as dense as the hypercone is high: a low-discrepancy sequence (the additive recurrence
 /// with the powers of the inverse of the root of x⁴ = x + 1) taken through the inverse of the weight's sums.
@@ -48,7 +48,7 @@ const LONG: u32 = 1 << 18;
 
 /// The convolution at `p` by counting. The count of the first points is off by up to 0.006, seen on half-spaces, that of all by
 /// less than a tenth of that; where the first agree with what is expected they are enough.
-fn counted(inside: impl Fn(DVec3) -> bool, p: DVec3, expected: f64) -> f64 {
+pub fn counted(inside: impl Fn(DVec3) -> bool, p: DVec3, expected: f64) -> f64 {
     let part = |points: &[DVec3]| {
         let hits = points.iter().filter(|offset| inside(p + **offset * RADIUS)).count();
         hits as f64 / points.len() as f64
@@ -62,7 +62,7 @@ fn counted(inside: impl Fn(DVec3) -> bool, p: DVec3, expected: f64) -> f64 {
 }
 
 /// The bar of smooth features, the tighter of law 7's two; nothing here needs the one for edges and vertices, 0.02.
-const BAR: f64 = 0.005;
+pub const BAR: f64 = 0.005;
 
 /// Points of each kind of primitive; 10,400 in all.
 const POINTS_A_KIND: u64 = 800;
