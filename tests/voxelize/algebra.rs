@@ -62,6 +62,35 @@ fn the_middle_is_excluded_no_more() {
     }
 }
 
+/// Not (A or B) is not A and not B.
+#[test]
+fn de_morgan_holds_in_both_families() {
+    let apart = DVec3::X * 6.0;
+    for family in [Family::MinMax, Family::Product] {
+        let outside = |model: &mut Model, of: NodeId| {
+            let everything = model.push(Node::Primitive(Primitive::crisp(Solid::Everything, 1.0)));
+            model.fold(BooleanOp::Subtraction, ValueRule::First, family, [everything, of])
+        };
+        let neither = combined(BooleanOp::Union, family, |model| {
+            let pair = [model.push(ball(-apart)), model.push(ball(apart))];
+            let either = model
+                .fold(BooleanOp::Union, ValueRule::First, family, pair)
+                .expect("two operands");
+            outside(model, either).into_iter().collect()
+        });
+        let both_not = combined(BooleanOp::Intersection, family, |model| {
+            let pair = [model.push(ball(-apart)), model.push(ball(apart))];
+            pair.into_iter().filter_map(|ball| outside(model, ball)).collect()
+        });
+        for n in -60..=60 {
+            let p = DVec3::new(f64::from(n) / 4.0, 3.0, 1.0);
+            let [a, b] = [&neither, &both_not].map(|tree| tree.sample(p).coverage);
+            // Three roundings on either side of the product's.
+            assert!((a - b).abs() <= 6.0 * f32::EPSILON, "{family:?} at {p}: {a} {b}");
+        }
+    }
+}
+
 #[test]
 fn twice_is_once_for_min_and_max_only() {
     let twice = |family| {
