@@ -17,7 +17,7 @@ background \"transparent\"
 
 /// A small dense ball in a large thin one, and the surface of the dense one.
 const TWO_BALLS: &str = "scene spacing=1 {
-    union rule=\"max\" { sphere radius=20 value=10; sphere radius=8 value=100 }
+    union rule=\"max\" { sphere radius=20 value=10 filter=0; sphere radius=8 value=100 filter=0 }
 }
 surface iso=50 color=\"#ff0000\"
 render shading=#false size=\"48x48\"

@@ -78,7 +78,7 @@ impl Bake {
 /// Blocks that are reconstructed before they are copied.
 const BATCH: usize = 16;
 
-/// The target's values on its lattice, `outside` where there is no coverage.
+/// The target's values on its lattice, weighted by coverage against `outside`.
 fn baked(target: &Target, outside: f32) -> Result<Grid, CliError> {
     let lattice = &target.lattice;
     let mut voxels = Vec::new();
@@ -115,10 +115,11 @@ fn copy(voxels: &mut [f32], [nx, ny, _]: [usize; 3], block: &Block, values: &Blo
             None => out.copy_from_slice(&values.premultiplied[row]),
             Some(coverage) => {
                 let samples = values.premultiplied[row.clone()].iter().zip(&coverage[row]);
+                // What is `outside` shows as far as nothing covers it, so that soft surfaces stay soft.
                 out.iter_mut()
                     .zip(samples)
                     .filter(|(_, (_, c))| **c > 0.0)
-                    .for_each(|(out, (v, c))| *out = v / c);
+                    .for_each(|(out, (premultiplied, c))| *out = premultiplied + (1.0 - c) * *out);
             }
         }
     }
