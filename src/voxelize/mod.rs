@@ -12,6 +12,7 @@ pub mod beam;
 pub mod curved;
 pub mod facet;
 pub mod filter;
+pub mod mesh;
 mod polyhedron;
 mod primitive;
 mod profile;
@@ -20,6 +21,7 @@ pub mod revolved;
 mod solid;
 mod thread;
 
+pub use mesh::{MeshError, MeshReadError, TriangleMesh, TriangleSolid};
 pub use polyhedron::Polyhedron;
 pub use primitive::{Placed, Primitive};
 pub use profile::{Piece, Profile};
