@@ -27,10 +27,7 @@ pub(super) fn primitive(element: &Element) -> Result<Option<PlacedPrimitive>> {
     let Some((solid, parent_from_local)) = solid(element)? else {
         return Ok(None);
     };
-    let mut primitive = Primitive::soft(solid, value(element)?);
-    if let Some(filter) = element.get("filter") {
-        primitive.filter_voxels = filter.within(0.0, Primitive::MAX_FILTER_VOXELS)?;
-    }
+    let mut primitive = filtered(element, solid)?;
     if element.allows("shell")
         && let Some(shell) = element.get("shell")
     {
@@ -45,6 +42,15 @@ pub(super) fn primitive(element: &Element) -> Result<Option<PlacedPrimitive>> {
         primitive,
         parent_from_local,
     }))
+}
+
+/// A solid with the node's `value` and `filter`.
+pub(super) fn filtered(element: &Element, solid: Solid) -> Result<Primitive> {
+    let mut primitive = Primitive::soft(solid, value(element)?);
+    if let Some(filter) = element.get("filter") {
+        primitive.filter_voxels = filter.within(0.0, Primitive::MAX_FILTER_VOXELS)?;
+    }
+    Ok(primitive)
 }
 
 /// A primitive's `value`, 1 unless said.

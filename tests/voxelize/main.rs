@@ -2,3 +2,7 @@
 
 mod cases;
 mod convolution;
+mod mesh_files;
+mod mesh_scene;
+mod mesh_shapes;
+mod mesh_solid;

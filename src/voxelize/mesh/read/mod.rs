@@ -67,19 +67,22 @@ const FORMATS: [(&str, Reader); 4] = [
 /// # Errors
 /// [`MeshReadError`] says what is wrong, in which file and where in it.
 pub fn read(path: &Path) -> Result<TriangleMesh, MeshReadError> {
-    let suffix = path.extension().unwrap_or_default();
-    let format = FORMATS.iter().find(|(name, _)| suffix.eq_ignore_ascii_case(name));
-    let Some((name, _)) = format else {
-        return Err(MeshReadError::new(path, Fault::of(Problem::UnknownSuffix)));
-    };
+    let reader = reader(path)?;
     let bytes = fs::read(path).map_err(|error| MeshReadError::new(path, Fault::of(Problem::Io(error))))?;
-    parse(name, &bytes).map_err(|fault| MeshReadError::new(path, fault))
+    reader(&bytes).map_err(|fault| MeshReadError::new(path, fault))
 }
 
-/// The mesh in the bytes of a file with this suffix, in lower case.
-fn parse(suffix: &str, bytes: &[u8]) -> Result<TriangleMesh, Fault> {
-    match FORMATS.iter().find(|(name, _)| *name == suffix) {
-        Some((_, read)) => read(bytes),
-        None => Err(Fault::of(Problem::UnknownSuffix)),
-    }
+/// Reads the bytes of a file called `path`, whose suffix says what they are.
+///
+/// # Errors
+/// As [`read()`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<TriangleMesh, MeshReadError> {
+    reader(path)?(bytes).map_err(|fault| MeshReadError::new(path, fault))
+}
+
+fn reader(path: &Path) -> Result<Reader, MeshReadError> {
+    let suffix = path.extension().unwrap_or_default();
+    let known = FORMATS.iter().find(|(name, _)| suffix.eq_ignore_ascii_case(name));
+    let unknown = || MeshReadError::new(path, Fault::of(Problem::UnknownSuffix));
+    known.map(|(_, reader)| *reader).ok_or_else(unknown)
 }
