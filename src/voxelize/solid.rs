@@ -99,6 +99,14 @@ impl Solid {
         }
     }
 
+    /// [`Self::distance`]; beyond `limit` on either side that may be said instead.
+    fn distance_within(&self, p: DVec3, limit: f64) -> f64 {
+        match self {
+            Self::Mesh(mesh) => mesh.distance_within(p, limit),
+            _ => self.distance(p),
+        }
+    }
+
     /// Bounds of [`Self::distance`] over a box. Where nothing tighter is known they follow from the middle: distances change
     /// by no more than the way between two points.
     pub fn distance_range(&self, region: &Aabb) -> DistanceRange {
@@ -136,7 +144,7 @@ impl Solid {
     /// # Panics
     /// If the solid has plane faces and the support is not a ball: [`Self::moved`] it to a frame where it is one.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
-        let distance = self.distance(p) / support.reach;
+        let distance = self.distance_within(p, support.reach) / support.reach;
         if distance.abs() >= 1.0 {
             return f64::from(u8::from(distance < 0.0));
         }

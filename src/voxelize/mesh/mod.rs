@@ -122,12 +122,17 @@ impl TriangleSolid {
 
     /// The distance to the surface, above 0 outside and below 0 inside.
     pub fn distance(&self, p: DVec3) -> f64 {
-        let distance = self.distance_within(p, f64::INFINITY);
+        self.distance_within(p, f64::INFINITY)
+    }
+
+    /// [`Self::distance`], or `limit` on the same side if the surface is farther.
+    pub fn distance_within(&self, p: DVec3, limit: f64) -> f64 {
+        let distance = self.to_surface(p, limit);
         if self.contains(p) { -distance } else { distance }
     }
 
     /// The distance to the surface, or `limit` if that is less.
-    fn distance_within(&self, p: DVec3, limit: f64) -> f64 {
+    fn to_surface(&self, p: DVec3, limit: f64) -> f64 {
         let to_face = |n: usize| self.faces[n].distance_squared(p);
         self.hierarchy.nearest_squared(p, limit * limit, to_face).sqrt()
     }
@@ -136,7 +141,7 @@ impl TriangleSolid {
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
         let radius = support.reach;
         let aside = ON_SURFACE * radius;
-        if self.distance_within(p, aside) < aside {
+        if self.to_surface(p, aside) < aside {
             let beside = |way: f64| self.density_beside(p + ASIDE * (way * aside), radius);
             0.5 * (beside(1.0) + beside(-1.0))
         } else {
