@@ -178,7 +178,12 @@ impl Polyhedron {
         if outside.abs() >= 1.0 {
             return if outside > 0.0 { 0.0 } else { 1.0 };
         }
-        let mut density = f64::from(u8::from(outside <= 0.0));
+        facet::through_surface(p, outside * radius, radius, |p| self.density_beside(p, radius))
+    }
+
+    /// The density at a point that is not on the surface.
+    fn density_beside(&self, p: DVec3, radius: f64) -> f64 {
+        let mut density = f64::from(u8::from(self.distance(p) <= 0.0));
         let mut corners: Vec<DVec3> = Vec::new();
         for face in self.faces.iter() {
             let a = face.plane.distance(p) / radius;

@@ -49,6 +49,15 @@ fn on_the_surface_the_density_is_the_part_of_the_ball_within() {
         let density = Solid::Mesh(Arc::new(iron.clone())).density(p, &support);
         assert!((density - part).abs() < 1e-4, "{p}: {density} is not {part}");
     }
+    let boxed = Solid::Box(BOX);
+    for (p, part) in [
+        (BOX.max, 0.125),
+        (BOX.max - DVec3::Y, 0.25),
+        (BOX.max - DVec3::new(0.0, 2.0, 2.0), 0.5),
+    ] {
+        let density = boxed.density(p, &support);
+        assert!((density - part).abs() < 1e-4, "{p}: {density} is not {part}");
+    }
 }
 
 /// A density rises by at most 1 over the filter's radius: the integral of the weight over any surface, in one direction, is at

@@ -26,6 +26,7 @@ pub use self::read::{MeshReadError, TriangleMesh};
 
 use self::bvh::Bvh;
 use self::face::Face;
+use super::facet;
 use super::filter::Support;
 use crate::math::{Aabb, affine};
 
@@ -37,14 +38,6 @@ pub struct TriangleSolid {
     hierarchy: Bvh,
     bounds: Aabb,
 }
-
-/// Within this of the surface, in radii, a density is the mean of the two at points this far to both sides. The closed form of a
-/// face holds a plane to be no nearer than 1e-9, which at 1e-5 from its edge is felt by 1e-4 / 2π; the mean is off by at most
-/// half of the density's second derivative, at most 3, times the square of this.
-const ON_SURFACE: f64 = 1e-5;
-
-/// A direction that no face of a made thing is parallel to.
-const ASIDE: DVec3 = DVec3::new(0.535_210_8, -0.341_877_3, 0.772_440_1);
 
 impl TriangleSolid {
     /// The solid within `mesh`. Vertices at one place are one vertex, triangles of which nothing is left then are dropped, and a
@@ -140,13 +133,8 @@ impl TriangleSolid {
     /// The density at `p` of a filter whose support is a ball.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
         let radius = support.reach;
-        let aside = ON_SURFACE * radius;
-        if self.to_surface(p, aside) < aside {
-            let beside = |way: f64| self.density_beside(p + ASIDE * (way * aside), radius);
-            0.5 * (beside(1.0) + beside(-1.0))
-        } else {
-            self.density_beside(p, radius)
-        }
+        let distance = self.to_surface(p, facet::ON_SURFACE * radius);
+        facet::through_surface(p, distance, radius, |p| self.density_beside(p, radius))
     }
 
     /// The density at a point that is not on the surface.
