@@ -10,7 +10,9 @@ use vcsg::voxelize::filter::Support;
 use vcsg::voxelize::{MeshError, Polyhedron, Primitive, Solid, TriangleMesh, TriangleSolid};
 
 use crate::cases::Random;
-use crate::mesh_shapes::{angle_iron, ball, both, cuboid, in_torus, inside_out, shifted, solid, soup, torus};
+use crate::mesh_shapes::{
+    angle_iron, ball, both, cuboid, extruded, fan, in_torus, inside_out, shifted, solid, soup, torus,
+};
 
 const BOX: Aabb = Aabb::new(DVec3::new(-3.0, -2.0, -5.0), DVec3::new(4.0, 6.0, 1.0));
 
@@ -110,6 +112,24 @@ fn inside_is_what_it_is_by_definition() {
         let is_in = p.cmpgt(DVec3::ZERO).all() && p.cmplt(DVec3::splat(4.0)).all();
         if is_in == is_on {
             assert_eq!(cube.contains(p), is_in, "{p}");
+        }
+    }
+}
+
+/// Upright triangles, upright but for rounding: in their planes, beside them, is outside.
+#[test]
+fn in_the_plane_of_a_face_but_beside_it_is_outside() {
+    let corners = [DVec2::ZERO, DVec2::new(5.0, 0.0), DVec2::new(1.0, 3.0)];
+    for n in 0..300 {
+        let turn = DMat3::from_rotation_z(f64::from(n) * 0.37) * DMat3::from_rotation_x(std::f64::consts::FRAC_PI_2);
+        let mut mesh = extruded(&corners, &fan(3), 1.0);
+        mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
+        let solid = solid(&mesh);
+        for k in 0..200 {
+            let (s, t) = (f64::from(k % 20) * 0.05, f64::from(k / 20) * 0.1);
+            let [a, b, c] = [0, 1, 2].map(|v| mesh.positions[v]);
+            let beyond = a + (b - a) * (s + 0.05) + (c - a) * (1.0 - s + t);
+            assert!(!solid.contains(beyond), "{n}: {beyond}");
         }
     }
 }
