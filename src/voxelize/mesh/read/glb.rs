@@ -123,29 +123,30 @@ impl Scene<'_> {
             return Ok(());
         };
         let positions = self.document.positions(accessor)?;
-        let first = self.mesh.positions.len() as u64;
         let indices = match self.document.number(primitive, "indices")? {
-            Some(accessor) => self.document.indices(accessor)?,
-            None => (0..positions.len() as u32).collect(),
+            Some(accessor) => Some(self.document.indices(accessor)?),
+            None => None,
         };
-        let total = self.mesh.triangles.len() + indices.len() / 3;
-        if indices.len() % 3 != 0 || total > MAX_TRIANGLES || first + positions.len() as u64 > u64::from(u32::MAX) {
-            let what = format!(
-                "mesh {mesh} has {} corners, which is no number of triangles that is read",
-                indices.len()
-            );
+        let corners = indices.as_ref().map_or(positions.count, |indices| indices.count);
+        if corners % 3 != 0 || self.mesh.triangles.len() + corners / 3 > MAX_TRIANGLES {
+            let what = format!("mesh {mesh} has {corners} corners, which is no number of triangles that is read");
             return Err(Fault::new(what));
         }
-        if let Some(index) = indices.iter().find(|index| **index as usize >= positions.len()) {
-            let what = format!("mesh {mesh} has a corner at vertex {index} of {}", positions.len());
-            return Err(Fault::new(what));
-        }
-        let placed = positions.into_iter().map(|p| affine::point(world_from_node, p));
-        self.mesh.positions.extend(placed);
+        let position = |n: usize| {
+            let vertex = match &indices {
+                Some(indices) => indices.index(n)?,
+                None => n,
+            };
+            Some(affine::point(world_from_node, positions.vector(vertex)?))
+        };
+        let outside = || Fault::new(format!("mesh {mesh} has a corner that is no vertex"));
         let mirrors = world_from_node.matrix3.determinant() < 0.0;
-        for corners in indices.chunks_exact(3) {
-            let [a, b, c] = [corners[0], corners[1], corners[2]].map(|index| index + first as u32);
-            self.mesh.triangles.push(if mirrors { [a, c, b] } else { [a, b, c] });
+        for n in (0..corners).step_by(3) {
+            // A node takes of a shared list of vertices what it uses: each triangle has its own.
+            let order = if mirrors { [n, n + 2, n + 1] } else { [n, n + 1, n + 2] };
+            let [a, b, c] = order.map(|n| position(n).ok_or_else(outside));
+            let corners = [self.mesh.push(a?)?, self.mesh.push(b?)?, self.mesh.push(c?)?];
+            self.mesh.triangles.push(corners);
         }
         Ok(())
     }

@@ -12,6 +12,34 @@ pub(super) struct Document<'a> {
     binary: &'a [u8],
 }
 
+/// What an accessor means: elements in their place in the file, all of which are there.
+pub(super) struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+    pub count: usize,
+}
+
+impl Elements<'_> {
+    fn get(&self, n: usize) -> Option<&[u8]> {
+        let at = n * self.stride;
+        (n < self.count).then(|| &self.bytes[at..at + self.size])
+    }
+
+    /// Element `n` as a vector.
+    pub fn vector(&self, n: usize) -> Option<DVec3> {
+        self.get(n)?.try_into().ok().map(bytes::vector)
+    }
+
+    /// Element `n` as a whole number of at most four bytes.
+    pub fn index(&self, n: usize) -> Option<usize> {
+        let bytes = self.get(n)?;
+        let mut word = [0; 4];
+        word.get_mut(..bytes.len())?.copy_from_slice(bytes);
+        Some(u32::from_le_bytes(word) as usize)
+    }
+}
+
 // Constants of the specification.
 const UNSIGNED_BYTE: usize = 5121;
 const UNSIGNED_SHORT: usize = 5123;
@@ -61,34 +89,19 @@ impl<'a> Document<'a> {
         list.into_iter().flatten().map(|value| whole(value, key)).collect()
     }
 
-    pub fn positions(&self, accessor: usize) -> Result<Vec<DVec3>, Fault> {
-        let elements = self.elements(accessor, "VEC3", &[(FLOAT, 12)])?;
-        let position = |bytes: &[u8]| {
-            let mut vector = [0; 12];
-            vector.copy_from_slice(bytes);
-            bytes::vector(vector)
-        };
-        Ok(elements.map(position).collect())
+    /// Positions, three numbers each.
+    pub fn positions(&self, accessor: usize) -> Result<Elements<'a>, Fault> {
+        self.elements(accessor, "VEC3", &[(FLOAT, 12)])
     }
 
-    pub fn indices(&self, accessor: usize) -> Result<Vec<u32>, Fault> {
+    /// Numbers of vertices.
+    pub fn indices(&self, accessor: usize) -> Result<Elements<'a>, Fault> {
         let types = [(UNSIGNED_BYTE, 1), (UNSIGNED_SHORT, 2), (UNSIGNED_INT, 4)];
-        let elements = self.elements(accessor, "SCALAR", &types)?;
-        let index = |bytes: &[u8]| {
-            let mut word = [0; 4];
-            word[..bytes.len()].copy_from_slice(bytes);
-            u32::from_le_bytes(word)
-        };
-        Ok(elements.map(index).collect())
+        self.elements(accessor, "SCALAR", &types)
     }
 
-    /// The bytes of each element of an accessor, whose component type is one of `types`, given with an element's size.
-    fn elements(
-        &self,
-        n: usize,
-        shape: &str,
-        types: &[(usize, usize)],
-    ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, Fault> {
+    /// The elements of an accessor, whose component type is one of `types`, given with an element's size.
+    fn elements(&self, n: usize, shape: &str, types: &[(usize, usize)]) -> Result<Elements<'a>, Fault> {
         let accessor = self.item("accessors", n)?;
         let bad = |what: &str| Fault::new(format!("accessor {n} {what}"));
         if accessor.get("sparse").is_some() {
@@ -116,8 +129,12 @@ impl<'a> Document<'a> {
             let what = format!("ends {end} bytes into a view of {}", bytes.len());
             return Err(bad(&what).byte(at));
         }
-        let (size, bytes) = (*size, bytes.get(offset..).unwrap_or_default());
-        Ok((0..count).map(move |n| &bytes[n * stride..n * stride + size]))
+        Ok(Elements {
+            bytes: bytes.get(offset..).unwrap_or_default(),
+            stride,
+            size: *size,
+            count,
+        })
     }
 
     /// A view's bytes, the distance between elements, and where it begins in the binary data.
