@@ -230,64 +230,73 @@ fn nodes_move_what_they_hold() {
     assert!(corners(&moved).into_iter().eq(turned), "a mirror turns triangles");
 }
 
+fn says(name: &str, bytes: &[u8], what: &str) {
+    let text = refusal(name, bytes);
+    assert!(text.contains(what), "{text} does not say {what}");
+}
+
 #[test]
 fn refusals_say_what_and_where() {
-    let found = |name: &str, bytes: &[u8], what: &str| {
-        let text = refusal(name, bytes);
-        assert!(text.contains(what), "{text} does not say {what}");
-    };
-    found("a.xyz", b"", "a.xyz: no mesh format has this suffix");
-    found(
+    says("a.xyz", b"", "a.xyz: no mesh format has this suffix");
+    says(
         "a.stl",
         b"",
         "a.stl, byte 0: the file ends before the number of triangles",
     );
     let stl = written(&surface(), "stl");
-    found(
+    says(
         "a.stl",
         &stl[..300],
         "a.stl, byte 80: 3584 bytes are declared, and the file has 300",
     );
-    found(
+    says(
         "a.stl",
         b"solid\nvertex 1 2\n",
         "line 2: the vertex has less than three coordinates",
     );
-    found("a.stl", b"solid\nvertex 1 2 x\n", "line 2: `x` is not a number");
-    found(
+    says("a.stl", b"solid\nvertex 1 2 x\n", "line 2: `x` is not a number");
+    says(
         "a.obj",
         b"v 0 0 0\nf 1 2\n",
         "a.obj, line 2: the face has less than three corners",
     );
-    found("a.obj", b"v 0 0 0\n\nf 0 1 2\n", "line 3: `0` is no vertex");
-    found(
+    says("a.obj", b"v 0 0 0\n\nf 0 1 2\n", "line 3: `0` is no vertex");
+    says(
         "a.ply",
         b"ply\nformat ascii 1.0\nelement vertex x\n",
         "line 3: `element vertex x` is not of a PLY header",
     );
+}
+
+#[test]
+fn refusals_of_ply_say_what_and_where() {
     let ply = text_ply();
-    found(
+    says(
         "a.ply",
         ply.replace("3 0 2 1", "3 0 2.5 1").as_bytes(),
         "line 15: 2.5 is no vertex",
     );
-    found(
+    says(
         "a.ply",
         ply.replace("vertex 4", "vertex 99999999999").as_bytes(),
         "the 99999999999 elements `vertex` that it declares",
     );
-    found(
+    says(
         "a.ply",
         ply.replace("element face 4", "element fac 4").as_bytes(),
         "the header has 0 elements `face`",
     );
     let header = "ply\nformat binary_big_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n\
         element face 4000000000\nproperty list uchar int vertex_indices\nend_header\n\x03\0\0";
-    found(
+    says(
         "a.ply",
         header.as_bytes(),
         "the 4000000000 elements `face` that it declares",
     );
+}
+
+#[test]
+fn refusals_of_glb_say_what_and_where() {
     let text = |from: &str, to: &str| {
         let file = tetrahedron_glb(r#"{"mesh":0}"#);
         let (json, rest) = (&file[20..file.len() - 96], &file[file.len() - 88..]);
@@ -317,7 +326,7 @@ fn refusals_say_what_and_where() {
         ("\"byteLength\":88", "\"uri\":\"a.bin\"", "data outside the file"),
         ("\"byteLength\":24", "\"byteLength\":99", "ends beyond the 88 bytes"),
     ] {
-        found("a.glb", &text(from, to), what);
+        says("a.glb", &text(from, to), what);
     }
 }
 
