@@ -36,7 +36,7 @@ pub enum Source {
     /// Voxels; the local frame is the volume's index space.
     Volume(VolumeLeaf),
     /// Geometry of one value; the local frame is the node's, or the world where that shows it better.
-    Primitive(Placed),
+    Primitive(Box<Placed>),
 }
 
 /// A leaf and where it is.
@@ -223,7 +223,7 @@ impl Tree {
                 let placed = primitive.placed(&world_from_node, sampling.voxel_mm);
                 let local_from_frame = placed.local_from_world * sampling.world_from_frame;
                 let bounds = placed_bounds(&placed);
-                self.push_leaf(Leaf::new(Source::Primitive(placed), local_from_frame, bounds));
+                self.push_leaf(Leaf::new(Source::Primitive(Box::new(placed)), local_from_frame, bounds));
             }
             Node::Transform { .. } => {}
             Node::Transfer { map, .. } => {

@@ -171,6 +171,9 @@ pub enum Problem {
     /// A volume that cannot be loaded.
     #[error("cannot load the volume {0}")]
     Volume(String),
+    /// A mesh that cannot be loaded, or that bounds no solid.
+    #[error("cannot load the mesh {0}")]
+    Mesh(String),
     /// An edit of a node that is not there.
     #[error("there is no node at {0:?}")]
     NoNode(Vec<usize>),

@@ -220,6 +220,7 @@ pub(super) const SHAPES: &[Rule] = &[
         Leaf,
         "waves size=\"80 80\" depth=8 amplitude=3 wavelength-x=20",
     ),
+    rule("mesh", 1, &["unit-mm", "value", "filter"], Leaf, "mesh \"part.stl\""),
     rule("union", 0, &["rule", "family"], Shapes, "union { … }"),
     rule("intersect", 0, &["rule", "family"], Shapes, "intersect { … }"),
     rule("subtract", 0, &["family"], Shapes, "subtract { … }"),

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 
 use super::element::{Element, Value};
 use super::error::{Problem, SceneError};
-use super::loader::VolumeRequest;
+use super::loader::{MeshRequest, VolumeRequest};
 use crate::math::{Interval, Plane};
 use crate::volume::VoxelType;
 use crate::volume::io::ByteOrder;
@@ -26,6 +26,14 @@ pub(super) fn volume_request(element: &Element, base_dir: &Path) -> Result<Volum
     Ok(VolumeRequest {
         path: base_dir.join(element.argument(0).string()?),
         raw: raw_layout(element)?,
+    })
+}
+
+/// The file that a mesh node names, and its unit, 1 unless said.
+pub(super) fn mesh_request(element: &Element, base_dir: &Path) -> Result<MeshRequest> {
+    Ok(MeshRequest {
+        path: base_dir.join(element.argument(0).string()?),
+        unit_mm: element.get("unit-mm").map_or(Ok(1.0), |v| v.positive())?,
     })
 }
 

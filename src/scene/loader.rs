@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::volume::Bricks;
 use crate::volume::io::{self, raw};
+use crate::voxelize::mesh::{TriangleSolid, read};
 
 /// A volume that a scene asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,13 +16,30 @@ pub struct VolumeRequest {
     pub raw: Option<raw::RawLayout>,
 }
 
-/// Reads volumes for a scene. A scene asks for each request once, however many nodes use it.
+/// A mesh that a scene asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshRequest {
+    /// The file.
+    pub path: PathBuf,
+    /// How many times as large it is as the file says.
+    pub unit_mm: f64,
+}
+
+/// Reads volumes and meshes for a scene. A scene asks for each request once, however many nodes use it.
 pub trait VolumeLoader {
     /// The volume that `request` names.
     ///
     /// # Errors
     /// Why it cannot be had, in words for the user, the path among them.
     fn load(&mut self, request: &VolumeRequest) -> Result<Arc<Bricks>, String>;
+
+    /// The solid within the mesh that `request` names. A loader has none unless it says otherwise.
+    ///
+    /// # Errors
+    /// Why it cannot be had, in words for the user, the path among them.
+    fn load_mesh(&mut self, request: &MeshRequest) -> Result<Arc<TriangleSolid>, String> {
+        Err(format!("{}: meshes are not available here", request.path.display()))
+    }
 }
 
 /// A loader for scenes of primitives: it has no volume.
@@ -34,7 +52,7 @@ impl VolumeLoader for NoVolumes {
     }
 }
 
-/// Reads volumes from files.
+/// Reads volumes and meshes from files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct VolumeFiles;
 
@@ -47,5 +65,13 @@ impl VolumeLoader for VolumeFiles {
         volume
             .map(|volume| Arc::new(Bricks::new(&volume.grid)))
             .map_err(|error| error.to_string())
+    }
+
+    fn load_mesh(&mut self, request: &MeshRequest) -> Result<Arc<TriangleSolid>, String> {
+        let mesh = read::read(&request.path).map_err(|error| error.to_string())?;
+        let solid = TriangleSolid::new(&mesh.scaled(request.unit_mm));
+        solid
+            .map(Arc::new)
+            .map_err(|error| format!("{}: {error}", request.path.display()))
     }
 }

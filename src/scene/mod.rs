@@ -43,7 +43,7 @@ pub use appearance::{MODES, parse_size};
 pub use edit::with_property;
 pub use error::{Problem, SceneError};
 pub use guard::{MAX_BYTES, MAX_DEPTH};
-pub use loader::{NoVolumes, VolumeFiles, VolumeLoader, VolumeRequest};
+pub use loader::{MeshRequest, NoVolumes, VolumeFiles, VolumeLoader, VolumeRequest};
 pub use options::TargetOptions;
 pub use source::Source;
 pub use surface::SurfaceSpec;

@@ -27,10 +27,7 @@ pub(super) fn primitive(element: &Element) -> Result<Option<PlacedPrimitive>> {
     let Some((solid, parent_from_local)) = solid(element)? else {
         return Ok(None);
     };
-    let mut primitive = Primitive::soft(solid, value(element)?);
-    if let Some(voxels) = filter_voxels(element)? {
-        primitive.filter_voxels = voxels;
-    }
+    let mut primitive = filtered(element, solid)?;
     if element.allows("shell")
         && let Some(shell) = element.get("shell")
     {
@@ -45,6 +42,13 @@ pub(super) fn primitive(element: &Element) -> Result<Option<PlacedPrimitive>> {
         primitive,
         parent_from_local,
     }))
+}
+
+/// A solid with the node's `value` and `filter`.
+pub(super) fn filtered(element: &Element, solid: Solid) -> Result<Primitive> {
+    let soft = Primitive::soft(solid, value(element)?);
+    let filter_voxels = filter_voxels(element)?.unwrap_or(soft.filter_voxels);
+    Ok(Primitive { filter_voxels, ..soft })
 }
 
 /// The radius of the filter, voxels, if it is said.

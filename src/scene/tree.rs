@@ -17,14 +17,14 @@ use super::file;
 use super::grammar;
 use super::guard::{MAX_BYTES, MAX_DEPTH};
 use super::leaves;
-use super::loader::{VolumeLoader, VolumeRequest};
+use super::loader::{MeshRequest, VolumeLoader, VolumeRequest};
 use super::maps;
 use super::primitives;
 use super::source::Source;
 use super::transforms;
 use crate::model::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use crate::volume::Bricks;
-use crate::voxelize::{Primitive, Solid};
+use crate::voxelize::{Primitive, Solid, TriangleSolid};
 
 type Result<T> = std::result::Result<T, SceneError>;
 
@@ -33,6 +33,7 @@ pub(super) struct TreeBuilder<'l> {
     model: Model,
     loader: &'l mut dyn VolumeLoader,
     volumes: Vec<(VolumeRequest, Arc<Bricks>)>,
+    meshes: Vec<(MeshRequest, Arc<TriangleSolid>)>,
     included: HashMap<PathBuf, NodeId>,
     /// The files that are being read, the root first.
     open: Vec<PathBuf>,
@@ -62,6 +63,7 @@ impl<'l> TreeBuilder<'l> {
             model: Model::default(),
             loader,
             volumes: Vec::new(),
+            meshes: Vec::new(),
             included: HashMap::new(),
             open: root.and_then(|path| path.canonicalize().ok()).into_iter().collect(),
             bytes: 0,
@@ -89,6 +91,7 @@ impl<'l> TreeBuilder<'l> {
     fn shape_within_depth(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         match element.name() {
             "volume" => self.volume(element, scope),
+            "mesh" => self.mesh(element, scope),
             "use" => reference(element, scope),
             "include" => self.include(element, scope),
             "union" | "intersect" | "subtract" | "overlay" => self.combined(element, scope),
@@ -198,6 +201,23 @@ impl<'l> TreeBuilder<'l> {
         let bricks = self.loader.load(request)?;
         self.volumes.push((request.clone(), Arc::clone(&bricks)));
         Ok(bricks)
+    }
+
+    fn mesh(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
+        let request = leaves::mesh_request(&element, &scope.base_dir)?;
+        let fails = |reason| element.error_of_argument(0, Problem::Mesh(reason));
+        let solid = Solid::Mesh(self.load_mesh(&request).map_err(fails)?);
+        let primitive = primitives::filtered(&element, solid)?;
+        Ok(self.model.push(Node::Primitive(primitive)))
+    }
+
+    fn load_mesh(&mut self, request: &MeshRequest) -> std::result::Result<Arc<TriangleSolid>, String> {
+        if let Some((_, solid)) = self.meshes.iter().find(|(known, _)| known == request) {
+            return Ok(Arc::clone(solid));
+        }
+        let solid = self.loader.load_mesh(request)?;
+        self.meshes.push((request.clone(), Arc::clone(&solid)));
+        Ok(solid)
     }
 
     /// The children of a set operation folded from the left; those of `scene` are united.

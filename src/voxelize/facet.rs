@@ -119,6 +119,25 @@ pub fn wedge(first: f64, second: f64, cosine: f64) -> f64 {
     (inside - cut(first, second) - cut(second, first)).clamp(0.0, 1.0)
 }
 
+/// How near, in radii, a sample is on the surface.
+pub const ON_SURFACE: f64 = 1e-5;
+
+/// A direction that no face of a made thing is parallel to.
+const ASIDE: DVec3 = DVec3::new(0.535_210_8, -0.341_877_3, 0.772_440_1);
+
+/// The density at `p`, at `distance` from the surface of a solid with plane faces, by `density`, which is not to be asked on that
+/// surface: there it has as many limits as sides meet. In their place is the mean of two points beside it.
+///
+/// A plane counts as no nearer than 1e-9, which as far from a side as the two are is felt by 1e-4 / 2π at most, and only in a
+/// face's own plane. The mean is off by at most half of the density's second derivative, at most 3, times the square of the way.
+pub fn through_surface(p: DVec3, distance: f64, radius: f64, density: impl Fn(DVec3) -> f64) -> f64 {
+    let aside = ON_SURFACE * radius;
+    if distance.abs() >= aside {
+        return density(p);
+    }
+    0.5 * (density(p + ASIDE * aside) + density(p - ASIDE * aside))
+}
+
 /// Nearer planes count as this near: the forms have a limit at 0 which rounding spoils.
 const LEAST: f64 = 1e-9;
 

@@ -13,6 +13,7 @@ pub mod curved;
 pub mod facet;
 pub mod filter;
 pub mod lines;
+pub mod mesh;
 mod polyhedron;
 mod primitive;
 mod profile;
@@ -21,6 +22,7 @@ pub mod revolved;
 mod solid;
 mod thread;
 
+pub use mesh::{MeshError, MeshReadError, TriangleMesh, TriangleSolid};
 pub use polyhedron::Polyhedron;
 pub use primitive::{Placed, Primitive};
 pub use profile::{Piece, Profile};

@@ -222,7 +222,12 @@ impl Polyhedron {
             // The ball reaches no second face, and so no side of the one it reaches.
             return filter::half_space(outside);
         }
-        let mut density = f64::from(u8::from(outside <= 0.0));
+        facet::through_surface(p, outside * radius, radius, |p| self.density_beside(p, radius))
+    }
+
+    /// The density at a point that is not on the surface.
+    fn density_beside(&self, p: DVec3, radius: f64) -> f64 {
+        let mut density = f64::from(u8::from(self.distance(p) <= 0.0));
         for face in self.faces.iter() {
             let cut = face.cut(p, radius);
             density -= if face.plane.distance(p) <= 0.0 { cut } else { -cut };

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::filter::Support;
+use super::mesh::TriangleSolid;
 use super::polyhedron::{self, Polyhedron};
 use super::profile::Profile;
 use super::relief::{Relief, RoundedBox};
@@ -36,6 +37,8 @@ pub enum Solid {
     Thread(Arc<Thread>),
     /// A solid between two heights.
     Relief(Relief),
+    /// A solid within a closed mesh.
+    Mesh(Arc<TriangleSolid>),
 }
 
 /// The least and the greatest value of [`Solid::distance`] over a box.
@@ -66,6 +69,7 @@ impl Solid {
             }
             Self::Thread(thread) => thread.bounds(),
             Self::Relief(relief) => relief.bounds(),
+            Self::Mesh(mesh) => mesh.bounds(),
         }
     }
 
@@ -75,6 +79,7 @@ impl Solid {
             Self::Sphere { center, radius } => p.distance_squared(*center) <= radius * radius,
             Self::Box(bounds) => bounds.contains(p),
             Self::Thread(thread) => thread.contains(p),
+            Self::Mesh(mesh) => mesh.contains(p),
             _ => self.distance(p) <= 0.0,
         }
     }
@@ -90,6 +95,15 @@ impl Solid {
             Self::Revolved(profile) => profile.distance(revolved::beside_axis(p)),
             Self::Thread(thread) => thread.distance(p),
             Self::Relief(relief) => relief.distance(p),
+            Self::Mesh(mesh) => mesh.distance(p),
+        }
+    }
+
+    /// [`Self::distance`]; beyond `limit` on either side that may be said instead.
+    fn distance_within(&self, p: DVec3, limit: f64) -> f64 {
+        match self {
+            Self::Mesh(mesh) => mesh.distance_within(p, limit),
+            _ => self.distance(p),
         }
     }
 
@@ -152,7 +166,7 @@ impl Solid {
     /// # Panics
     /// If the solid has plane faces and the support is not a ball: [`Self::moved`] it to a frame where it is one.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
-        let distance = self.distance(p) / support.reach;
+        let distance = self.distance_within(p, support.reach) / support.reach;
         if distance.abs() >= 1.0 {
             return f64::from(u8::from(distance < 0.0));
         }
@@ -175,6 +189,7 @@ impl Solid {
             Self::Revolved(profile) => revolved::density(profile, p, support),
             Self::Thread(thread) => thread.density(p, support),
             Self::Relief(relief) => relief.density(p, support),
+            Self::Mesh(mesh) => mesh.density(p, support),
         }
     }
 
@@ -197,6 +212,7 @@ impl Solid {
                 Plane::through(on, normal).map(Self::HalfSpace)
             }
             Self::Everything => Some(Self::Everything),
+            Self::Mesh(mesh) => Some(Self::Mesh(mesh.moved(new_from_old).into())),
             _ => None,
         }
     }
@@ -222,14 +238,14 @@ impl Solid {
             Self::Polyhedron(polyhedron) => polyhedron.inset(by).map(Self::Polyhedron),
             Self::Revolved(profile) => profile.inset(by).map(Self::revolved),
             Self::Relief(Relief::RoundedBox(rounded)) => inset_rounded(rounded, by),
-            Self::Everything | Self::Thread(_) | Self::Relief(Relief::Waves(_)) => return Err(NoInset),
+            Self::Everything | Self::Thread(_) | Self::Relief(Relief::Waves(_)) | Self::Mesh(_) => return Err(NoInset),
         })
     }
 }
 
 /// A solid that cannot be made hollow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("only solids without threads and waves can be shells: subtract a smaller one instead")]
+#[error("threads, waves and meshes cannot be shells: subtract a smaller one instead")]
 pub struct NoInset;
 
 fn inset_rounded(rounded: &RoundedBox, by: f64) -> Option<Solid> {

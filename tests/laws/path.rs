@@ -5,7 +5,6 @@ use proptest::prelude::*;
 use vcsg::math::Interval;
 use vcsg::model::{Boundary, Operator, Step, Tree};
 use vcsg::target::{Block, BlockVoxels, OctreeNode, Subdivision, Target};
-use vcsg::volume::Sample;
 
 use crate::support::scenes::{Scene, crisp_scene, scene, subdivision};
 use crate::support::{cases, seeded};

@@ -10,6 +10,7 @@ use vcsg::volume::Field;
 use vcsg::voxelize::{Primitive, Solid};
 
 use crate::cases::{Case, KINDS, Random};
+use crate::mesh_shapes;
 
 /// The filter's radius, millimetres, at voxels of 1 mm.
 pub const RADIUS: f64 = 2.0;
@@ -103,7 +104,7 @@ fn worst(make: fn(&mut Random) -> Case) -> (usize, f64, String) {
 
 #[test]
 fn a_density_is_the_convolution() {
-    for (name, make) in KINDS {
+    for (name, make) in KINDS.into_iter().chain(mesh_shapes::KINDS) {
         let (count, worst, what) = worst(make);
         println!("{name}: {count} points, at most {worst:.4} off");
         assert!(

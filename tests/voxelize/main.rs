@@ -3,5 +3,9 @@
 mod algebra;
 mod cases;
 mod convolution;
+mod mesh_files;
+mod mesh_scene;
+mod mesh_shapes;
+mod mesh_solid;
 mod poses;
 mod voxels;
