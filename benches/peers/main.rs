@@ -45,6 +45,9 @@ struct Arguments {
     /// Measure surfaces only, and write no report.
     #[arg(long)]
     surfaces: bool,
+    /// Measure resampling only, and write no report.
+    #[arg(long)]
+    resampling: bool,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
@@ -92,6 +95,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return surfaces::compare(arguments.repetitions().runs).map(|_| 0);
     }
     vtk::write_volumes()?;
+    if arguments.resampling {
+        return resampling::compare(arguments.repetitions().runs).map(|_| 0);
+    }
     let report = Report::measure(arguments.repetitions())?;
     write_whole(Path::new(REPORT), |out| {
         serde_json::to_writer_pretty(&mut *out, &report)?;
