@@ -159,6 +159,13 @@ proptest! {
     }
 
     #[test]
+    fn any_region_can_be_fetched(grid in grids(), a in fractions(), b in fractions(), snapped: bool) {
+        let bricks = Bricks::new(&grid);
+        let around = bricks.index_bounds().expand(DVec3::ONE);
+        bricks.fetch(&sub_box(&around, a, b, snapped));
+    }
+
+    #[test]
     fn the_field_keeps_its_range(grid in grids(), a in fractions(), b in fractions(), f in fractions()) {
         let bricks = Bricks::new(&grid);
         let bounds = Field::bounds(&bricks);

@@ -48,6 +48,9 @@ struct Arguments {
     /// Measure surfaces only, and write no report.
     #[arg(long)]
     surfaces: bool,
+    /// Measure resampling only, and write no report.
+    #[arg(long)]
+    resampling: bool,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
@@ -97,6 +100,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
     vtk::write_volumes()?;
     if arguments.frames {
         return frames::compare(&drawing::open_device()?, arguments.repetitions()).map(|_| 0);
+    }
+    if arguments.resampling {
+        return resampling::compare(arguments.repetitions().runs).map(|_| 0);
     }
     let report = Report::measure(arguments.repetitions())?;
     write_whole(Path::new(REPORT), |out| {

@@ -8,21 +8,59 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::math::affine;
+use crate::math::{Aabb, Overlap, affine};
 use crate::model::{Leaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
 
-/// A volume leaf that fills rows with its values.
-struct VolumeRow<'a> {
-    leaf: &'a Leaf,
-    volume: &'a VolumeLeaf,
+/// The voxels `(x, y, z)`, `(x + 1, y, z)`, … as many as `len`.
+#[derive(Clone, Copy)]
+struct Voxels {
+    x: f64,
+    y: f64,
+    z: f64,
+    len: usize,
 }
 
-impl VolumeRow<'_> {
-    /// Values at the voxels from `(x, y, z)` on along x, all in the volume's box.
-    fn fill(&self, x: f64, y: f64, z: f64, values: &mut [f32]) {
-        let map = &self.leaf.local_from_frame;
-        self.volume.bricks.sample_row(map, affine::row(map, y, z), x, values);
+impl Voxels {
+    /// Those of `part`.
+    fn part(&self, part: &Range<usize>) -> Self {
+        Self {
+            x: self.x + part.start as f64,
+            len: part.len(),
+            ..*self
+        }
+    }
+
+    /// Where each is in the leaf's own frame.
+    fn in_leaf(&self, leaf: &Leaf) -> impl Fn(usize) -> DVec3 {
+        let (map, x) = (leaf.local_from_frame, self.x);
+        let row = affine::row(&map, self.y, self.z);
+        move |n| affine::step(&map, row, x + n as f64)
+    }
+
+    /// Those in the leaf's box. Along a row each coordinate is monotone, rounding included, so they are one interval: all if
+    /// both ends are, and none if both ends lie beyond one face.
+    fn inside(&self, leaf: &Leaf) -> Range<usize> {
+        let local = self.in_leaf(leaf);
+        let ends = [local(0), local(self.len.saturating_sub(1))];
+        let bounds = &leaf.local_bounds;
+        if ends.iter().all(|&p| bounds.contains(p)) {
+            return 0..self.len;
+        }
+        if Aabb::of_points(ends).overlap(bounds) == Overlap::Outside {
+            return 0..0;
+        }
+        let inside = |n: &usize| bounds.contains(local(*n));
+        let first = (0..self.len).find(inside).unwrap_or(self.len);
+        let beyond = (first..self.len).rev().find(inside).map_or(first, |last| last + 1);
+        first..beyond
+    }
+
+    /// Their values in a volume that holds them all.
+    fn sample(&self, leaf: &Leaf, volume: &VolumeLeaf, values: &mut [f32]) {
+        let map = &leaf.local_from_frame;
+        let row = affine::row(map, self.y, self.z);
+        volume.bricks.sample_row(map, row, self.x, values);
     }
 }
 
@@ -50,6 +88,18 @@ impl<'a> RowEvaluator<'a> {
         }
     }
 
+    /// Brings near what `path` reads of its volumes in a box of the lattice.
+    pub fn fetch(&self, path: &[Step], bounds: &Aabb) {
+        for step in path {
+            if let Step::LeafInside(index) | Step::Leaf(index) = step
+                && let leaf = self.tree.leaf(*index)
+                && let Source::Volume(volume) = &leaf.source
+            {
+                volume.bricks.fetch(&bounds.transformed(&leaf.local_from_frame));
+            }
+        }
+    }
+
     /// Evaluates `path` at the voxels `(i, j, k)` for `i` in `columns`: value times coverage, and coverage where it is asked
     /// for. Both rows are as long as `columns`.
     pub fn evaluate(
@@ -60,20 +110,29 @@ impl<'a> RowEvaluator<'a> {
         premultiplied: &mut [f32],
         coverage: Option<&mut [f32]>,
     ) {
-        let (y, z) = (j as f64, k as f64);
-        if let Some(volume) = self.lone_volume(path) {
-            volume.fill(columns.start as f64, y, z, premultiplied);
+        let voxels = Voxels {
+            x: columns.start as f64,
+            y: j as f64,
+            z: k as f64,
+            len: columns.len(),
+        };
+        if let Some((leaf, volume, inside)) = self.lone_volume(path, &voxels) {
+            fill_outside(premultiplied, &inside);
+            voxels
+                .part(&inside)
+                .sample(leaf, volume, &mut premultiplied[inside.clone()]);
             if let Some(coverage) = coverage {
-                coverage.fill(1.0);
+                fill_outside(coverage, &inside);
+                coverage[inside].fill(1.0);
             }
             return;
         }
         self.depth = 0;
         for &step in path {
-            self.apply(step, &columns, y, z);
+            self.apply(step, &voxels);
         }
         if self.depth == 0 {
-            self.push(columns.len());
+            self.push(voxels.len);
         }
         let row = &self.rows[0];
         for (out, (v, c)) in premultiplied.iter_mut().zip(row.value.iter().zip(&row.coverage)) {
@@ -84,16 +143,21 @@ impl<'a> RowEvaluator<'a> {
         }
     }
 
-    /// The volume that a path consists of, if that is all of it and it is present throughout: most blocks of most scenes.
-    fn lone_volume(&self, path: &[Step]) -> Option<VolumeRow<'a>> {
-        let &[Step::LeafInside(index)] = path else {
+    /// The volume that a path consists of, if that is all of it and no value of it is kept out, and the voxels that it
+    /// covers: most blocks of most scenes.
+    fn lone_volume(&self, path: &[Step], voxels: &Voxels) -> Option<(&'a Leaf, &'a VolumeLeaf, Range<usize>)> {
+        let &[Step::LeafInside(index) | Step::Leaf(index)] = path else {
             return None;
         };
         let leaf = self.tree.leaf(index);
-        match &leaf.source {
-            Source::Volume(volume) if volume.admits_all() => Some(VolumeRow { leaf, volume }),
-            _ => None,
-        }
+        let Source::Volume(volume) = &leaf.source else {
+            return None;
+        };
+        let inside = match path {
+            [Step::Leaf(_)] => voxels.inside(leaf),
+            _ => 0..voxels.len,
+        };
+        volume.admits_all().then_some((leaf, volume, inside))
     }
 
     /// A new top row of `len` empty samples.
@@ -114,12 +178,14 @@ impl<'a> RowEvaluator<'a> {
         &mut self.rows[self.depth - 1]
     }
 
-    fn apply(&mut self, step: Step, columns: &Range<usize>, y: f64, z: f64) {
+    fn apply(&mut self, step: Step, voxels: &Voxels) {
         let tree = self.tree;
-        let x0 = columns.start as f64;
         match step {
-            Step::LeafInside(i) => self.push(columns.len()).fill_inside(tree.leaf(i), x0, y, z),
-            Step::Leaf(i) => self.push(columns.len()).fill_tested(tree.leaf(i), x0, y, z),
+            Step::LeafInside(i) => self.push(voxels.len).fill_inside(tree.leaf(i), voxels),
+            Step::Leaf(i) => {
+                let leaf = tree.leaf(i);
+                self.push(voxels.len).fill(leaf, voxels, voxels.inside(leaf));
+            }
             Step::Map(i) => {
                 let map = tree.map(i);
                 self.top().update(|_, s| map.sample(s));
@@ -127,7 +193,7 @@ impl<'a> RowEvaluator<'a> {
             Step::Cut(i) => {
                 let cut = tree.cut(i);
                 self.top().update(|n, s| {
-                    let p = DVec3::new(x0 + n as f64, y, z);
+                    let p = DVec3::new(voxels.x + n as f64, voxels.y, voxels.z);
                     if cut.distance(p) > 0.0 { Sample::EMPTY } else { s }
                 });
             }
@@ -165,9 +231,9 @@ impl Row {
     }
 
     /// Fills the row from a leaf that holds all of it.
-    fn fill_inside(&mut self, leaf: &Leaf, x0: f64, y: f64, z: f64) {
+    fn fill_inside(&mut self, leaf: &Leaf, voxels: &Voxels) {
         match &leaf.source {
-            Source::Volume(_) => self.fill(leaf, 0..self.value.len(), x0, y, z),
+            Source::Volume(_) => self.fill(leaf, voxels, 0..voxels.len),
             Source::Primitive(placed) => {
                 self.value.fill(placed.value());
                 self.coverage.fill(1.0);
@@ -175,28 +241,13 @@ impl Row {
         }
     }
 
-    /// Fills the part of the row that lies in the leaf's box. Along a row each coordinate is monotone, rounding included, so
-    /// that part is one interval.
-    fn fill_tested(&mut self, leaf: &Leaf, x0: f64, y: f64, z: f64) {
-        let row = affine::row(&leaf.local_from_frame, y, z);
-        let inside = |n: &usize| {
-            let local = affine::step(&leaf.local_from_frame, row, x0 + *n as f64);
-            leaf.local_bounds.contains(local)
-        };
-        let len = self.value.len();
-        let Some(first) = (0..len).find(inside) else {
-            return;
-        };
-        let last = (first..len).rev().find(inside).unwrap_or(first);
-        self.fill(leaf, first..last + 1, x0, y, z);
-    }
-
-    fn fill(&mut self, leaf: &Leaf, part: Range<usize>, x0: f64, y: f64, z: f64) {
-        let x = x0 + part.start as f64;
+    /// Fills a part of the row that lies in the leaf's box.
+    fn fill(&mut self, leaf: &Leaf, voxels: &Voxels, part: Range<usize>) {
+        let voxels = voxels.part(&part);
         let (values, coverages) = (&mut self.value[part.clone()], &mut self.coverage[part]);
         match &leaf.source {
             Source::Volume(volume) => {
-                VolumeRow { leaf, volume }.fill(x, y, z, values);
+                voxels.sample(leaf, volume, values);
                 coverages.fill(1.0);
                 if volume.admits_all() {
                     return;
@@ -207,13 +258,18 @@ impl Row {
                 }
             }
             Source::Primitive(placed) => {
-                let row = affine::row(&leaf.local_from_frame, y, z);
+                let local = voxels.in_leaf(leaf);
                 for (n, (v, c)) in values.iter_mut().zip(coverages).enumerate() {
-                    let local = affine::step(&leaf.local_from_frame, row, x + n as f64);
-                    let s = placed.sample(local);
+                    let s = placed.sample(local(n));
                     (*v, *c) = (s.value, s.coverage);
                 }
             }
         }
     }
+}
+
+/// Fills what is outside a part of a row with nothing.
+fn fill_outside(row: &mut [f32], part: &Range<usize>) {
+    row[..part.start].fill(0.0);
+    row[part.end..].fill(0.0);
 }

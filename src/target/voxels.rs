@@ -1,12 +1,21 @@
 //! Reconstructed blocks in memory: what a CPU projector reads, and what a GPU page is filled from.
+//!
+//! *Practice.* A block is made in small parts, and before each its stretch of the volumes is read once in the order of memory.
+//! Rows that run aslant would else wait for one cache line after the other.
 
+use std::array::from_fn;
 use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Block, Layout, OctreeNode, RowEvaluator, Target};
+use crate::math::Aabb;
 use crate::volume::Sample;
+
+/// Voxels along x, y, z of the parts that blocks are reconstructed in: what a part needs of a volume stays in a processor's
+/// cache.
+const PART: [usize; 3] = [32, 16, 8];
 
 /// The voxels of one block and of an apron round it, x fastest. Beyond the lattice its outermost voxels go on.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +31,7 @@ pub struct BlockVoxels {
 }
 
 impl BlockVoxels {
-    /// Reconstructs `block` with `apron` voxels on each side, its planes in parallel.
+    /// Reconstructs `block` with `apron` voxels on each side, slabs of it in parallel.
     pub fn reconstruct(target: &Target, block: &Block, apron: usize) -> Self {
         let dims = block.extent.map(|n| n + 2 * apron);
         let plane = dims[0] * dims[1];
@@ -35,17 +44,16 @@ impl BlockVoxels {
                 0
             }
         ];
-        // An absent coverage still needs a slice for each plane.
+        // An absent coverage still needs a slice for each slab.
         let coverage_plane = if coverage.is_empty() { 0 } else { plane };
-        let planes = premultiplied.par_chunks_mut(plane).enumerate();
+        let filler = Filler { target, block, apron };
+        let slabs = premultiplied.par_chunks_mut(plane * PART[2]).enumerate();
         if coverage_plane == 0 {
-            planes.for_each(|(k, values)| fill_plane(target, block, apron, k, values, None));
+            slabs.for_each(|(n, values)| filler.fill(n * PART[2], values, None));
         } else {
-            planes
-                .zip(coverage.par_chunks_mut(coverage_plane))
-                .for_each(|((k, values), coverage)| {
-                    fill_plane(target, block, apron, k, values, Some(coverage));
-                });
+            slabs
+                .zip(coverage.par_chunks_mut(coverage_plane * PART[2]))
+                .for_each(|((n, values), coverage)| filler.fill(n * PART[2], values, Some(coverage)));
         }
         Self {
             dims,
@@ -57,49 +65,94 @@ impl BlockVoxels {
 
     /// The sample stored at voxel `at` of the lattice, which lies in the block or its apron.
     fn premultiplied_at(&self, origin: [usize; 3], at: [usize; 3]) -> (f32, f32) {
-        let [i, j, k]: [usize; 3] = std::array::from_fn(|a| at[a] + self.apron - origin[a]);
+        let [i, j, k]: [usize; 3] = from_fn(|a| at[a] + self.apron - origin[a]);
         let n = i + self.dims[0] * (j + self.dims[1] * k);
         (self.premultiplied[n], self.coverage.as_ref().map_or(1.0, |c| c[n]))
     }
 }
 
-fn fill_plane(
-    target: &Target,
-    block: &Block,
+/// Fills the stored voxels of a block, those of its apron included.
+struct Filler<'a> {
+    target: &'a Target,
+    block: &'a Block,
     apron: usize,
-    k: usize,
-    values: &mut [f32],
-    mut coverage: Option<&mut [f32]>,
-) {
-    let dims = target.lattice.dims;
-    let width = block.extent[0] + 2 * apron;
-    let clamped = |axis: usize, n: usize| (block.origin[axis] + n).saturating_sub(apron).min(dims[axis] - 1);
-    let columns = clamped(0, 0)..clamped(0, width - 1) + 1;
-    // Stored columns before the first and after the last one evaluated repeat it.
-    let before = (apron).saturating_sub(block.origin[0]);
-    let inside = before..before + columns.len();
-    let mut rows = RowEvaluator::new(&target.tree);
-    for (j, out) in values.chunks_exact_mut(width).enumerate() {
-        let mut coverage = coverage.as_mut().map(|c| &mut c[j * width..(j + 1) * width]);
-        rows.evaluate(
-            target.path(block),
-            columns.clone(),
-            [clamped(1, j), clamped(2, k)],
-            &mut out[inside.clone()],
-            coverage.as_mut().map(|c| &mut c[inside.clone()]),
-        );
-        repeat_ends(out, &inside);
-        if let Some(coverage) = coverage {
-            repeat_ends(coverage, &inside);
+}
+
+impl Filler<'_> {
+    /// Fills the slab of planes from `plane` on, part by part.
+    fn fill(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
+        let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
+        let planes = plane..plane + values.len() / (width * height);
+        // Stored columns before the first and after the last one evaluated repeat it.
+        let before = self.apron.saturating_sub(self.block.origin[0]);
+        let inside = before..before + self.lattice(0, width - 1) + 1 - self.lattice(0, 0);
+        let mut evaluator = RowEvaluator::new(&self.target.tree);
+        for rows in parts(0..height, PART[1]) {
+            for columns in parts(inside.clone(), PART[0]) {
+                let part = [columns, rows.clone(), planes.clone()];
+                self.fill_part(&mut evaluator, part, values, coverage.as_deref_mut());
+            }
         }
+        repeat_ends(values, width, &inside);
+        if let Some(coverage) = coverage {
+            repeat_ends(coverage, width, &inside);
+        }
+    }
+
+    /// Fills some columns of some rows of a slab of planes.
+    fn fill_part(
+        &self,
+        evaluator: &mut RowEvaluator,
+        part: [Range<usize>; 3],
+        values: &mut [f32],
+        mut coverage: Option<&mut [f32]>,
+    ) {
+        let path = self.target.path(self.block);
+        let end = |axis: usize| self.lattice(axis, part[axis].end - 1);
+        let start: [usize; 3] = from_fn(|axis| self.lattice(axis, part[axis].start));
+        let box_of =
+            |corners: [[usize; 3]; 2]| Aabb::of_points(corners.map(|c| DVec3::from_array(c.map(|n| n as f64))));
+        evaluator.fetch(path, &box_of([start, from_fn(end)]));
+        let [columns, rows, planes] = part;
+        let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
+        for k in planes.clone() {
+            for j in rows.clone() {
+                let row = ((k - planes.start) * height + j) * width;
+                let out = row + columns.start..row + columns.end;
+                evaluator.evaluate(
+                    path,
+                    start[0]..start[0] + columns.len(),
+                    [self.lattice(1, j), self.lattice(2, k)],
+                    &mut values[out.clone()],
+                    coverage.as_mut().map(|c| &mut c[out]),
+                );
+            }
+        }
+    }
+
+    /// The voxel of the lattice that the `n`th stored one along an axis shows.
+    fn lattice(&self, axis: usize, n: usize) -> usize {
+        let last = self.target.lattice.dims[axis] - 1;
+        (self.block.origin[axis] + n).saturating_sub(self.apron).min(last)
     }
 }
 
-/// Repeats the first and last number of `inside` on both sides of it.
-fn repeat_ends(row: &mut [f32], inside: &Range<usize>) {
-    let (first, last) = (row[inside.start], row[inside.end - 1]);
-    row[..inside.start].fill(first);
-    row[inside.end..].fill(last);
+/// A range in parts of at most `size`.
+fn parts(all: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
+    let end = all.end;
+    all.step_by(size).map(move |start| start..end.min(start + size))
+}
+
+/// Repeats the first and last number of `inside` on both sides of it, in each row.
+fn repeat_ends(rows: &mut [f32], width: usize, inside: &Range<usize>) {
+    if inside.len() == width {
+        return;
+    }
+    for row in rows.chunks_exact_mut(width) {
+        let (first, last) = (row[inside.start], row[inside.end - 1]);
+        row[..inside.start].fill(first);
+        row[inside.end..].fill(last);
+    }
 }
 
 /// A target with all its blocks reconstructed in memory.
@@ -146,7 +199,7 @@ impl<'a> VoxelTarget<'a> {
     /// Value times coverage, and coverage, of voxel `at`; beyond the lattice its outermost voxels go on.
     pub fn voxel(&self, at: [i64; 3]) -> (f32, f32) {
         let dims = self.target.lattice.dims;
-        let at: [usize; 3] = std::array::from_fn(|a| at[a].clamp(0, dims[a] as i64 - 1) as usize);
+        let at: [usize; 3] = from_fn(|a| at[a].clamp(0, dims[a] as i64 - 1) as usize);
         match self.dense.get(at[0] + dims[0] * (at[1] + dims[1] * at[2])) {
             Some(&voxel) => voxel,
             None => self.find(at),
@@ -166,8 +219,8 @@ impl<'a> VoxelTarget<'a> {
     pub fn cell(&self, p: DVec3) -> ([(f32, f32); 8], DVec3) {
         let base = p.floor();
         let at = base.as_i64vec3().to_array();
-        let corner = |n: usize| self.voxel(std::array::from_fn(|a| at[a] + (n >> a & 1) as i64));
-        (std::array::from_fn(corner), p - base)
+        let corner = |n: usize| self.voxel(from_fn(|a| at[a] + (n >> a & 1) as i64));
+        (from_fn(corner), p - base)
     }
 
     /// The voxel `at` as a sample.

@@ -104,7 +104,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The most voxels along one axis: a brick's place on the three axes is packed into 64 bits when it is sampled.
+    /// The most voxels along one axis: a position is a voxel and 24 bits of a fraction, in the 52 bits of a number's mantissa.
     pub const MAX_DIM: usize = 1 << 26;
 
     /// A grid of `dims` voxels along x, y, z.

@@ -152,16 +152,32 @@ impl Bricks {
     /// A range that holds every [`Self::sample_index`] in `region` (index space), missing ones left out; a point where all
     /// voxels are equal, empty where all are missing or the region holds nothing.
     pub fn range_index(&self, region: &Aabb) -> Interval {
+        let Some([first, last]) = self.lower_voxels(region) else {
+            return Interval::EMPTY;
+        };
+        rounded(self.pyramid.range(first, last))
+    }
+
+    /// Has what samples in `region` (index space) read brought near, unless it is more than a cache holds. Rows that run
+    /// aslant through a volume wait for each line of it; in the order of memory, lines are fetched ahead.
+    pub fn fetch(&self, region: &Aabb) {
+        if let Some([first, last]) = self.lower_voxels(region) {
+            for_type!(BrickStore, &self.store, b => b.fetch(first, last));
+        }
+    }
+
+    /// The first and last of the lower voxels of all samples in `region` (index space); `None` if it holds nothing.
+    fn lower_voxels(&self, region: &Aabb) -> Option<[[usize; 3]; 2]> {
         let region = region.intersect(&self.index_bounds());
         if region.is_empty() {
-            return Interval::EMPTY;
+            return None;
         }
         let index = |p: f64, last: usize| (p.max(0.0) as usize).min(last);
         let [lo, hi] = [region.min.to_array(), region.max.to_array()];
         let first: [usize; 3] = std::array::from_fn(|a| index(lo[a].floor(), self.dims[a] - 1));
         // A sample on a voxel's centre has weight 0 on the next, so the last lower voxel lies below the box's end.
-        let last: [usize; 3] = std::array::from_fn(|a| index(hi[a].ceil() - 1.0, self.dims[a] - 1).max(first[a]));
-        rounded(self.pyramid.range(first, last))
+        let last = std::array::from_fn(|a| index(hi[a].ceil() - 1.0, self.dims[a] - 1).max(first[a]));
+        Some([first, last])
     }
 
     /// The derivative of the volume along the index axes at `p`: the differences of samples one voxel before and after,

@@ -5,9 +5,8 @@
 //! index and fraction in a number's bits, which is cheaper than `floor` and needs no check. Values are `f32`, and
 //! `a + t·(b − a)` returns `a` at `t = 0` and the common value of equal corners, both exactly. A row is done in chunks of
 //! three plain loops, of which the compiler makes vector code: where the samples are, what the corners there hold, and their
-//! interpolation. A point is a chunk of one, so that points and rows agree bit for bit.
-
-use std::array::from_fn;
+//! interpolation. Each sample looks its brick up: that costs less than the wrong guesses of where a row leaves a brick. A
+//! point is a chunk of one, so that points and rows agree bit for bit.
 
 use glam::{DAffine3, DVec3};
 
@@ -15,21 +14,22 @@ use super::typed::{Brick, EDGE, SHIFT, TypedBricks, Y_STRIDE, Z_STRIDE};
 use crate::math::affine;
 use crate::volume::voxel::Voxel;
 
-/// Samples of a chunk.
-const LANES: usize = 16;
+/// Samples of a chunk: as many as a small block's row has, and enough that a chunk's first corners, stored one by one, have
+/// reached the cache when wide registers read them.
+const LANES: usize = 32;
 
 /// Bits of a position's fraction of a voxel.
 const FRACTION_BITS: u32 = 24;
 
-/// 2²⁸: in the sum with a position in `[0, 2²⁸)` the last place is 2⁻²⁴.
-const BIAS: f64 = (1u64 << (52 - FRACTION_BITS)) as f64;
+/// Stored bits of an `f64`'s mantissa.
+const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 
-/// Bits of a brick's place along an axis in [`Sites::brick`]: enough for [`Grid::MAX_DIM`](crate::volume::Grid::MAX_DIM).
-const BRICK_BITS: u32 = 21;
+/// 2²⁸: in the sum with a position in `[0, 2²⁸)` the last place is 2⁻²⁴.
+const BIAS: f64 = (1u64 << (MANTISSA_BITS - FRACTION_BITS)) as f64;
 
 /// Where `N` samples are.
 struct Sites<const N: usize> {
-    /// The bricks' places along x, y, z, packed.
+    /// Where their bricks are among all.
     brick: [u64; N],
     /// The lower voxels' offsets in their bricks.
     offset: [u32; N],
@@ -45,7 +45,7 @@ type Corners<T, const N: usize> = [[[T; 2]; N]; 4];
 fn fixed(p: f64, last: f64) -> u64 {
     let p = if p > 0.0 { p } else { 0.0 };
     let p = if p < last { p } else { last };
-    (p + BIAS).to_bits() - BIAS.to_bits()
+    (p + BIAS).to_bits() & ((1 << MANTISSA_BITS) - 1)
 }
 
 /// The fraction of a fixed-point coordinate.
@@ -64,7 +64,8 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 impl<const N: usize> Sites<N> {
     /// The sites of `position(0..N)`, clamped to the voxel centres `0..=last`.
     #[inline(always)]
-    fn new(position: impl Fn(usize) -> DVec3, last: DVec3) -> Self {
+    fn new<T: Voxel>(position: impl Fn(usize) -> DVec3, bricks: &TypedBricks<T>) -> Self {
+        let last = bricks.last();
         let mut sites = Self {
             brick: [0; N],
             offset: [0; N],
@@ -73,8 +74,7 @@ impl<const N: usize> Sites<N> {
         for n in 0..N {
             let p = position(n);
             let c = [fixed(p.x, last.x), fixed(p.y, last.y), fixed(p.z, last.z)];
-            let [x, y, z] = c.map(|c| c >> (FRACTION_BITS + SHIFT));
-            sites.brick[n] = x | y << BRICK_BITS | z << (2 * BRICK_BITS);
+            sites.brick[n] = bricks.index(c.map(|c| c >> (FRACTION_BITS + SHIFT)));
             let [x, y, z] = c.map(|c| (c as u32 >> FRACTION_BITS) & (EDGE as u32 - 1));
             sites.offset[n] = x + Y_STRIDE as u32 * (y + Y_STRIDE as u32 * z);
             for (t, c) in sites.t.iter_mut().zip(c) {
@@ -82,13 +82,6 @@ impl<const N: usize> Sites<N> {
             }
         }
         sites
-    }
-
-    /// The place of the `n`th sample's brick.
-    #[inline(always)]
-    fn place(&self, n: usize) -> [usize; 3] {
-        let bits = (1 << BRICK_BITS) - 1;
-        from_fn(|axis| (self.brick[n] >> (axis as u32 * BRICK_BITS) & bits) as usize)
     }
 
     /// The samples, from their corners.
@@ -113,28 +106,23 @@ impl<const N: usize> Sites<N> {
 /// the same bits.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn sample_row<T: Voxel>(bricks: &TypedBricks<T>, index_from_lattice: &DAffine3, row: DVec3, i0: f64, out: &mut [f32]) {
-    let last = bricks.last();
-    let mut corners = [[[T::zeroed(); 2]; LANES]; 4];
     for (chunk, out) in out.chunks_mut(LANES).enumerate() {
         let start = chunk * LANES;
         let position = |n: usize| affine::step(index_from_lattice, row, i0 + (start + n) as f64);
-        let sites = Sites::<LANES>::new(position, last);
-        let mut n = 0;
-        while n < out.len() {
-            n = bricks.gather(&sites, n..out.len(), &mut corners);
+        if out.len() > LANES / 2 {
+            bricks.sample_chunk::<LANES>(position, out);
+        } else {
+            bricks.sample_chunk::<{ LANES / 2 }>(position, out);
         }
-        out.copy_from_slice(&sites.blend(&corners)[..out.len()]);
     }
 }
 
 impl<T: Voxel> TypedBricks<T> {
     /// The trilinear sample at the voxel position `p`, clamped to the outermost voxel centres.
     pub fn sample(&self, p: DVec3) -> f32 {
-        let sites = Sites::new(|_| p, self.last());
-        let mut corners = [[[T::zeroed(); 2]; 1]; 4];
-        self.gather(&sites, 0..1, &mut corners);
-        let [v] = sites.blend(&corners);
-        v
+        let mut sample = [0.0];
+        self.sample_chunk::<1>(|_| p, &mut sample);
+        sample[0]
     }
 
     /// [`Self::sample`] at `affine::step(index_from_lattice, row, i0 + n)` for each `n` of `out`.
@@ -142,39 +130,33 @@ impl<T: Voxel> TypedBricks<T> {
         sample_row(self, index_from_lattice, row, i0, out);
     }
 
-    /// Fetches the corners of the samples of a range that are in the first one's brick; returns where they end.
+    /// The samples at `position(n)` for each `n` of `out`, which is at most `N` long.
     #[inline(always)]
-    fn gather<const N: usize>(
-        &self,
-        sites: &Sites<N>,
-        range: std::ops::Range<usize>,
-        corners: &mut Corners<T, N>,
-    ) -> usize {
-        let start = range.start;
-        let brick = sites.brick[start];
-        let run = range.take_while(|&n| sites.brick[n] == brick);
-        let mut end = start;
-        match self.brick(sites.place(start)) {
-            Brick::Constant(v) => {
-                for n in run {
-                    corners.iter_mut().for_each(|c| c[n] = [*v; 2]);
-                    end = n + 1;
-                }
-            }
-            Brick::Voxels(voxels) => {
-                for n in run {
-                    const REACH: usize = Z_STRIDE + Y_STRIDE + 2;
-                    let v = &voxels[sites.offset[n] as usize..][..REACH];
+    fn sample_chunk<const N: usize>(&self, position: impl Fn(usize) -> DVec3, out: &mut [f32]) {
+        let sites = Sites::<N>::new(position, self);
+        let mut corners = [[[T::zeroed(); 2]; N]; 4];
+        self.gather(&sites, out.len(), &mut corners);
+        out.copy_from_slice(&sites.blend(&corners)[..out.len()]);
+    }
+
+    /// Fetches the corners of the first `count` samples.
+    #[inline(always)]
+    fn gather<const N: usize>(&self, sites: &Sites<N>, count: usize, corners: &mut Corners<T, N>) {
+        const REACH: usize = Z_STRIDE + Y_STRIDE + 2;
+        for n in 0..count {
+            match self.at(sites.brick[n]) {
+                Brick::Constant(v) => corners.iter_mut().for_each(|c| c[n] = [*v; 2]),
+                Brick::Voxels(voxels) => {
+                    let offset = sites.offset[n] as usize;
+                    let v = &voxels[offset..offset + REACH];
                     let pair = |o: usize| [v[o], v[o + 1]];
                     corners[0][n] = pair(0);
                     corners[1][n] = pair(Y_STRIDE);
                     corners[2][n] = pair(Z_STRIDE);
                     corners[3][n] = pair(Z_STRIDE + Y_STRIDE);
-                    end = n + 1;
                 }
             }
         }
-        end
     }
 
     /// The last voxel's index, as a position.

@@ -1,6 +1,8 @@
 //! Sparse bricks of one voxel type.
 
 use std::fmt;
+use std::hint::black_box;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -21,6 +23,12 @@ pub(super) const Y_STRIDE: usize = EDGE + 1;
 
 /// Distance of z neighbours in a brick's voxels.
 pub(super) const Z_STRIDE: usize = Y_STRIDE * Y_STRIDE;
+
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
+/// Bytes that are sure to stay in a core's own cache while they are sampled.
+const NEAR: usize = 256 << 10;
 
 /// A volume's bricks in the voxels' own type. Values are as [`Voxel::regular`] makes them.
 pub struct TypedBricks<T> {
@@ -93,7 +101,20 @@ impl<T: Voxel> TypedBricks<T> {
     /// The brick at place `b`.
     #[inline]
     pub(super) fn brick(&self, b: [usize; 3]) -> &Brick<T> {
-        &self.bricks[(b[2] * self.brick_dims[1] + b[1]) * self.brick_dims[0] + b[0]]
+        self.at(self.index(b.map(|b| b as u64)))
+    }
+
+    /// Where the brick at place `b` is among all.
+    #[inline(always)]
+    pub(super) fn index(&self, b: [u64; 3]) -> u64 {
+        let [nx, ny, _] = self.brick_dims.map(|n| u64::from(n as u32));
+        (b[2] * ny + b[1]) * nx + b[0]
+    }
+
+    /// The brick of an [`Self::index`].
+    #[inline(always)]
+    pub(super) fn at(&self, index: u64) -> &Brick<T> {
+        &self.bricks[index as usize]
     }
 
     /// The range of voxels `edge·cell ..= edge·(cell + 1)`, as far as the volume goes. `edge` divides a brick's.
@@ -103,6 +124,27 @@ impl<T: Voxel> TypedBricks<T> {
         match self.brick(first.map(|i| i >> SHIFT)) {
             Brick::Constant(v) => Interval::point(v.to_f32()).hull(Interval::EMPTY),
             Brick::Voxels(v) => box_range(&v[offset(first)..], planes),
+        }
+    }
+
+    /// Reads a voxel of each cache line of the samples whose lower voxels are `first..=last`, if all of them take less than
+    /// [`NEAR`].
+    pub(super) fn fetch(&self, first: [usize; 3], last: [usize; 3]) {
+        let size: [usize; 3] = std::array::from_fn(|a| last[a] - first[a] + 2);
+        if size.iter().product::<usize>() * size_of::<T>() > NEAR {
+            return;
+        }
+        let brick = |a: usize| first[a] >> SHIFT..=last[a] >> SHIFT;
+        for (z, y) in brick(2).flat_map(|z| brick(1).map(move |y| (z, y))) {
+            for x in brick(0) {
+                if let Brick::Voxels(voxels) = self.brick([x, y, z]) {
+                    let part = |a: usize, b: usize| {
+                        let start = first[a].saturating_sub(b << SHIFT);
+                        start..(last[a] - (b << SHIFT)).min(MASK) + 2
+                    };
+                    fetch_rows(voxels, part(1, y), part(2, z));
+                }
+            }
         }
     }
 
@@ -160,6 +202,16 @@ impl<T: Voxel> Brick<T> {
 #[inline(always)]
 pub(super) fn offset(index: [usize; 3]) -> usize {
     (index[0] & MASK) + (index[1] & MASK) * Y_STRIDE + (index[2] & MASK) * Z_STRIDE
+}
+
+/// Reads a voxel of each cache line of some rows in each of some planes.
+fn fetch_rows<T: Voxel>(voxels: &[T], rows: Range<usize>, planes: Range<usize>) {
+    for plane in planes {
+        let rows = &voxels[plane * Z_STRIDE..][rows.start * Y_STRIDE..rows.end * Y_STRIDE];
+        for voxel in rows.iter().step_by(LINE / size_of::<T>()) {
+            black_box(*voxel);
+        }
+    }
 }
 
 /// The range of a box of `size` voxels at the start of `voxels`.
