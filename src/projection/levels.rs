@@ -12,7 +12,7 @@
 use glam::DVec3;
 
 use super::{Camera, Lens, Planes, Settings, SlicePlan};
-use crate::math::Plane;
+use crate::math::{Aabb, Plane};
 use crate::target::{Block, Lattice, Levels};
 use crate::voxelize::{Footprint, Grade};
 
@@ -32,8 +32,8 @@ pub struct Zone {
 pub struct Zones {
     /// The zones that hold a part of the model, the nearest first.
     pub zones: Vec<Zone>,
-    /// The depths that the model fills, millimetres, which a depth cue spans.
-    pub depths_mm: [f64; 2],
+    /// The depths that a depth cue spans, millimetres: those of the base.
+    pub cue_mm: [f64; 2],
     /// The middles of the slabs of level 0.
     pub comb: Planes,
 }
@@ -57,13 +57,12 @@ impl Zones {
     /// The zones of what `camera` sees of `levels`, with `samples_per_voxel` slabs for a voxel of each level.
     pub fn new(levels: &Levels, camera: &Camera, samples_per_voxel: f64) -> Self {
         let comb = Planes::new(&levels.base, camera, samples_per_voxel);
-        let reach_mm = levels.voxel_mm(levels.count);
-        let bounds = levels.base.world_bounds().transformed(&camera.eye_from_world);
-        let depths_mm = [bounds.min.z, bounds.max.z];
-        let shown = [(bounds.min.z - reach_mm).max(camera.near_mm()), bounds.max.z + reach_mm];
+        let depths = |bounds: Aabb| bounds.transformed(&camera.eye_from_world);
+        let (base, all) = (depths(levels.base.world_bounds()), depths(levels.bounds));
+        let (first, last) = (all.min.z.max(camera.near_mm()), all.max.z);
         let faces = faces(levels, camera, &comb);
         let zone = |(level, pair): (usize, &[f64])| {
-            let (near_mm, far_mm) = (pair[0].max(shown[0]), pair[1].min(shown[1]));
+            let (near_mm, far_mm) = (pair[0].max(first), pair[1].min(last));
             (near_mm < far_mm).then_some(Zone {
                 level: level as u32,
                 near_mm,
@@ -72,7 +71,7 @@ impl Zones {
         };
         Self {
             zones: faces.windows(2).enumerate().filter_map(zone).collect(),
-            depths_mm,
+            cue_mm: [base.min.z, base.max.z],
             comb,
         }
     }
@@ -125,7 +124,7 @@ impl Zone {
     pub fn part_of(&self, mut plan: SlicePlan, zones: &Zones) -> SlicePlan {
         let slices = std::mem::take(&mut plan.slices);
         plan.slices = slices.into_iter().filter(|s| self.holds(plan.depth_mm(s))).collect();
-        plan.cue_mm = zones.depths_mm;
+        plan.cue_mm = zones.cue_mm;
         plan
     }
 

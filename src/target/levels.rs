@@ -10,7 +10,7 @@ use glam::DAffine3;
 
 use super::octree::value_range;
 use super::{Lattice, Subdivision, Target, TargetError};
-use crate::math::{Interval, Plane};
+use crate::math::{Aabb, Interval, Plane};
 use crate::model::{Model, Source, Tree};
 use crate::voxelize::{Footprint, Grade};
 
@@ -23,6 +23,8 @@ pub struct Levels<'a> {
     pub count: u32,
     /// The lattice of the finest level.
     pub base: Lattice,
+    /// A box of the world that holds every level.
+    pub bounds: Aabb,
     /// A range that holds every value of every level.
     pub value_range: Interval,
     spacing_mm: Option<f64>,
@@ -45,6 +47,7 @@ impl<'a> Levels<'a> {
             model,
             count: count.clamp(1, Self::MAX),
             base,
+            bounds: Aabb::EMPTY,
             value_range: Interval::EMPTY,
             spacing_mm,
             has_volume: crisp.leaves().iter().any(is_volume),
@@ -52,6 +55,7 @@ impl<'a> Levels<'a> {
         for level in 0..levels.count {
             let lattice = levels.lattice(level, &levels.in_world(level, None)?)?;
             let tree = Tree::new(model, &lattice.world_from_lattice)?;
+            levels.bounds = levels.bounds.hull(&lattice.world_bounds());
             levels.value_range = levels.value_range.hull(value_range(&tree, &lattice));
         }
         Ok(levels)
