@@ -7,8 +7,8 @@ use serde_json::json;
 
 use super::CliError;
 use super::console::{Stages, print_json};
-use super::levels;
 use super::job::{Renderer, model_bounds, no_surfaces, transfer_function};
+use super::levels;
 use super::overrides::Overrides;
 use super::source::SourceArgs;
 use super::surfaces::Surface;

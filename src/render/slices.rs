@@ -14,8 +14,8 @@ use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler
 use crate::image::{Frame, Rgba};
 use crate::interface::TABLE_LEN;
 use crate::projection::{
-    Camera, DrawCost, FrameSpec, Planes, ProjectError, Projector, Settings, SlicePlan, SoftNormals, TransferTable, Visibility,
-    VisibleValues,
+    Camera, DrawCost, FrameSpec, Planes, ProjectError, Projector, Settings, SlicePlan, SoftNormals, TransferTable,
+    Visibility, VisibleValues,
 };
 use crate::projection::{bands, composite};
 use crate::surface::SurfaceView;

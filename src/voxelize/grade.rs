@@ -78,7 +78,10 @@ mod tests {
             voxel_mm: 0.5,
         };
         let at = |z: f64| grade.share(DVec3::new(3.0, -7.0, z));
-        assert_eq!([at(-10.0), at(0.0), at(50.0), at(100.0), at(1e9)], [0.0, 0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(
+            [at(-10.0), at(0.0), at(50.0), at(100.0), at(1e9)],
+            [0.0, 0.0, 0.0, 1.0, 1.0]
+        );
         assert!((at(50.0 * 2f64.sqrt()) - 0.5).abs() < 1e-12);
         assert_eq!(grade.share(DVec3::splat(f64::NAN)), 0.0);
     }

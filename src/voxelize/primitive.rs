@@ -123,7 +123,10 @@ impl Placed {
 
     /// The widest filter that it is sampled with.
     fn widest(&self) -> Option<&Support> {
-        self.wider.as_ref().map(|wider| &wider.support).or(self.support.as_ref())
+        self.wider
+            .as_ref()
+            .map(|wider| &wider.support)
+            .or(self.support.as_ref())
     }
 
     /// Its value.

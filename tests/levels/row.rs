@@ -1,0 +1,49 @@
+//! A row of posts that goes away from the eye.
+
+use glam::{DAffine3, DVec3};
+use vcsg::math::Aabb;
+use vcsg::model::{BooleanOp, Family, Model, Node, ValueRule};
+use vcsg::projection::{Camera, Lens};
+use vcsg::voxelize::{Primitive, Solid};
+
+/// Focal length of the row's cameras, pixels.
+pub const FOCAL_PX: f64 = 96.0;
+
+/// `count` posts of 4 · 4 · 24 mm, `apart` mm from each other along y, to the left and right of the line of sight in turn.
+pub fn posts(count: u32, apart: f64) -> Model {
+    let mut model = Model::default();
+    let half = DVec3::new(2.0, 2.0, 12.0);
+    let post = model.push(Node::Primitive(Primitive::soft(
+        Solid::Box(Aabb::new(-half, half)),
+        1.0,
+    )));
+    let placed: Vec<_> = (0..count)
+        .map(|n| {
+            let aside = if n % 2 == 0 { -5.0 } else { 5.0 };
+            let at = DVec3::new(aside, f64::from(n) * apart, 0.0);
+            model.push(Node::Transform {
+                child: post,
+                parent_from_child: DAffine3::from_translation(at),
+            })
+        })
+        .collect();
+    model.fold(BooleanOp::Union, ValueRule::First, Family::MinMax, placed);
+    model
+}
+
+/// An eye at `y` that looks along the row, with a frame of `edge` pixels a side.
+pub fn eye_at(y: f64, edge: u32) -> Camera {
+    let (right, down, forward) = (DVec3::X, -DVec3::Z, DVec3::Y);
+    let matrix3 = glam::DMat3::from_cols(right, down, forward).transpose();
+    Camera {
+        eye_from_world: DAffine3 {
+            matrix3,
+            translation: -(matrix3 * DVec3::new(0.0, y, 0.0)),
+        },
+        lens: Lens::Perspective {
+            focal_px: FOCAL_PX * f64::from(edge) / 96.0,
+            near_mm: 1.0,
+        },
+        size: [edge; 2],
+    }
+}
