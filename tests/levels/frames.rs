@@ -262,10 +262,10 @@ fn what_is_far_away_is_nearer_to_the_supersampled_picture() {
 #[test]
 fn nothing_pops_when_the_eye_moves() {
     // The fence passes from zone 1, which ends where a pixel covers 4 mm, to zone 2.
-    const STEPS: u32 = 80;
+    const STEPS: u32 = 120;
     let look = Look::of_posts(Mode::Composite);
     let model = fence(12);
-    let eyes: Vec<Camera> = (0..STEPS).map(|n| eye_at(-120.0 - 0.2 * f64::from(n), 64)).collect();
+    let eyes: Vec<Camera> = (0..STEPS).map(|n| eye_at(-244.0 - 0.2 * f64::from(n), 64)).collect();
     let worst = |frame: &dyn Fn(&Camera) -> Frame| {
         let frames: Vec<Frame> = eyes.iter().map(frame).collect();
         let changes = frames.windows(2).map(|pair| largest_change(&pair[0], &pair[1]));
