@@ -188,6 +188,22 @@ fn a_baked_scene_is_a_volume_with_the_scene_in_it() {
 }
 
 #[test]
+fn each_baked_level_is_the_scene_at_its_spacing_or_there_is_none() {
+    let folder = folder();
+    let read = |name: &str| fs::read(folder.path().join(name));
+    succeed(folder.path(), &["bake", "scene.kdl", "-o", "l.nrrd", "--levels", "3"]);
+    for (level, spacing) in ["2", "4", "8"].into_iter().enumerate() {
+        let bake = ["bake", "scene.kdl", "-o", "alone.nrrd", "--spacing", spacing];
+        succeed(folder.path(), &bake);
+        assert_eq!(read(&format!("l-{level}.nrrd")).unwrap(), read("alone.nrrd").unwrap());
+    }
+    fs::create_dir(folder.path().join("m-2.nrrd")).unwrap();
+    let refused = vcsg(folder.path(), &["bake", "scene.kdl", "-o", "m.nrrd", "--levels", "3"]);
+    assert!(!refused.status.success());
+    assert!(read("m-0.nrrd").is_err() && read("m-1.nrrd").is_err());
+}
+
+#[test]
 fn a_bare_volume_renders_with_no_further_options() {
     let folder = folder();
     succeed(

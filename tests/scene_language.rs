@@ -173,7 +173,7 @@ fn a_definition_is_built_once_however_often_it_is_used() {
 fn the_rest_of_a_scene_is_read() {
     let scene = parse(
         r##"
-scene spacing=0.5 budget-mib=64 coarsen=#true boundary="centre" min-block=8 { sphere radius=1 }
+scene spacing=0.5 budget-mib=64 coarsen=#true boundary="centre" min-block=8 levels=1 { sphere radius=1 }
 transfer unit-mm=2 { point 0 opacity=0 color="#000000"; point 10 opacity=0.5 color="#ff0000" }
 view azimuth=30 elevation=-20 roll=5 zoom=1.5 projection="perspective" fov=45 focus="1 2 3"
 light towards="0 0 -2" intensity=0.5

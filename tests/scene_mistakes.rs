@@ -270,6 +270,20 @@ fn what_is_missing_or_too_many_is_answered_with_its_place() {
 }
 
 #[test]
+fn levels_go_neither_with_surfaces_nor_with_coarsening() {
+    let levels = "scene levels=4 { sphere radius=1 }\n";
+    expect(&format!("{levels}surface iso=0.5\n"), (2, 1), "from one level");
+    expect(&format!("surface iso=0.5\n{levels}"), (2, 1), "from one level");
+    expect(
+        "scene levels=4 coarsen=#true { sphere radius=1 }",
+        (1, 1),
+        "not coarsened",
+    );
+    expect("scene levels=9 { sphere radius=1 }", (1, 7), "in 1..8");
+    expect("scene levels=1.5 { sphere radius=1 }", (1, 7), "whole number");
+}
+
+#[test]
 fn a_misspelt_name_is_answered_with_the_right_one_and_the_line() {
     let error = parse("scene {\n    shpere radius=1\n}\n").unwrap_err();
     assert_eq!(error.to_string(), "test.kdl:2:5: unknown node `shpere`");

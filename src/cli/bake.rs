@@ -10,8 +10,9 @@ use super::CliError;
 use super::console::{Stages, print_json, progress};
 use super::overrides;
 use super::source::SourceArgs;
-use crate::target::{Block, BlockVoxels, Target};
-use crate::volume::io::{Encoding, write_nrrd};
+use crate::scene::Scene;
+use crate::target::{Block, BlockVoxels, Levels, Target};
+use crate::volume::io::{Encoding, NrrdBeside};
 use crate::volume::{Grid, Voxels};
 
 /// Sample a scene into one volume file
@@ -19,6 +20,7 @@ use crate::volume::{Grid, Voxels};
 #[command(after_help = "Examples:
   vcsg bake scene.kdl -o scene.nrrd
   vcsg bake scene.kdl -o coarse.nrrd --spacing 2
+  vcsg bake scene.kdl -o level.nrrd --levels 4      # level-0.nrrd … level-3.nrrd
   vcsg bake ct-cut.kdl -o ct-cut.nrrd --outside -1024")]
 pub(super) struct Bake {
     #[command(flatten)]
@@ -29,6 +31,9 @@ pub(super) struct Bake {
     /// The value where the scene holds nothing
     #[arg(long, value_name = "V", default_value = "0", value_parser = overrides::single, allow_negative_numbers = true)]
     outside: f32,
+    /// Write so many levels, OUTPUT-0.nrrd and so on: each with voxels and filters twice as wide as the one before
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Levels::MAX)))]
+    levels: Option<u32>,
     /// Store the voxels as they are, not compressed
     #[arg(long)]
     raw: bool,
@@ -46,22 +51,70 @@ impl Bake {
         self.check_suffix()?;
         let mut stages = Stages::default();
         let scene = stages.time("load", || self.source.load())?;
-        let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
-        let grid = stages.time("reconstruct", || baked(&target, self.outside))?;
-        let encoding = if self.raw { Encoding::Raw } else { Encoding::Gzip };
-        stages.time("write", || write_nrrd(&self.output, &grid, encoding))?;
+        let volumes = match self.levels {
+            Some(count) => self.levels(scene, count, &mut stages)?,
+            None => vec![self.volume(&scene, self.output.clone(), &mut stages)?],
+        };
+        let mut described = Vec::new();
+        for volume in volumes {
+            stages.time("write", || volume.beside.put())?;
+            described.push(volume.description);
+        }
         if self.timings {
             stages.show();
         }
         if !self.json {
             return Ok(());
         }
-        print_json(&json!({
-            "volume": self.output,
+        let milliseconds = stages.to_json();
+        print_json(&match described.as_mut_slice() {
+            [volume] if self.levels.is_none() => {
+                volume["milliseconds"] = milliseconds;
+                volume.take()
+            }
+            _ => json!({ "levels": described, "milliseconds": milliseconds }),
+        })
+    }
+
+    /// All levels, each beside its place: none is put there before all are written.
+    fn levels(&self, mut scene: Scene, count: u32, stages: &mut Stages) -> Result<Vec<Volume>, CliError> {
+        let paths = (0..count).map(|level| self.level_path(level));
+        if let Some(folder) = paths.clone().find(|path| path.is_dir()) {
+            return Err(CliError::Usage(format!("{}: it is a folder", folder.display())));
+        }
+        if scene.target.coarsen {
+            let why = "levels are not coarsened: use a larger --spacing or --budget-mib";
+            return Err(CliError::Usage(why.into()));
+        }
+        let model = scene.model.clone();
+        let levels = Levels::new(&model, scene.target.spacing_mm, count)?;
+        let mut volumes = Vec::new();
+        for (level, path) in (0..count).zip(paths) {
+            scene.target.spacing_mm = levels.spacing_mm(level);
+            volumes.push(self.volume(&scene, path, stages)?);
+        }
+        Ok(volumes)
+    }
+
+    /// The file of a level: its number before the suffix.
+    fn level_path(&self, level: u32) -> PathBuf {
+        let stem = self.output.file_stem().unwrap_or_default().to_string_lossy();
+        let suffix = self.output.extension().unwrap_or_default().to_string_lossy();
+        self.output.with_file_name(format!("{stem}-{level}.{suffix}"))
+    }
+
+    /// Samples and writes, beside `path`.
+    fn volume(&self, scene: &Scene, path: PathBuf, stages: &mut Stages) -> Result<Volume, CliError> {
+        let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
+        let grid = stages.time("reconstruct", || baked(&target, self.outside))?;
+        let encoding = if self.raw { Encoding::Raw } else { Encoding::Gzip };
+        let description = json!({
+            "volume": path,
             "dims": grid.dims(),
             "spacing_mm": target.lattice.spacing_mm().to_array(),
-            "milliseconds": stages.to_json(),
-        }))
+        });
+        let beside = stages.time("write", || NrrdBeside::write(&path, &grid, encoding))?;
+        Ok(Volume { beside, description })
     }
 
     fn check_suffix(&self) -> Result<(), CliError> {
@@ -73,6 +126,12 @@ impl Bake {
             ))),
         }
     }
+}
+
+/// A volume that is written but not yet in its place.
+struct Volume {
+    beside: NrrdBeside,
+    description: serde_json::Value,
 }
 
 /// Blocks that are reconstructed before they are copied.

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::gpu::GpuError;
 use crate::image::EncodeError;
 use crate::projection::ProjectError;
-use crate::render::DeviceMeshError;
+use crate::render::{DeviceMeshError, DrawLevelsError};
 use crate::scene::SceneError;
 use crate::surface::ExtractError;
 use crate::surface::io::MeshWriteError;
@@ -34,6 +34,9 @@ pub enum CliError {
     /// The drawing.
     #[error(transparent)]
     Project(#[from] ProjectError),
+    /// The drawing of several levels.
+    #[error(transparent)]
+    Levels(#[from] DrawLevelsError),
     /// The picture file.
     #[error(transparent)]
     Picture(#[from] EncodeError),

@@ -10,7 +10,7 @@ use crate::image::Frame;
 use crate::math::Aabb;
 use crate::projection::presets::DataStatistics;
 use crate::projection::{Camera, FrameSpec, Projector, Reference, Settings, TransferFunction};
-use crate::render::{PagedTarget, SliceRenderer, soft_normals};
+use crate::render::{LevelsFrame, LevelsSpec, PagedTarget, SliceRenderer, soft_normals};
 use crate::scene::{Scene, TransferSpec};
 use crate::target::Target;
 
@@ -48,6 +48,20 @@ impl Renderer {
             Self::Reference if surfaces.is_empty() => Ok(stages.time("reference", || Reference.project(spec))?),
             Self::Reference => Err(no_surfaces()),
         }
+    }
+
+    /// Draws a frame of several levels.
+    ///
+    /// # Errors
+    /// As [`Self::draw`]; the reference knows one level.
+    pub fn draw_levels(&mut self, spec: &LevelsSpec) -> Result<LevelsFrame, CliError> {
+        let Self::Slices(renderer) = self else {
+            let why = "the reference draws one level: set `levels` to 1, or take --renderer slices";
+            return Err(CliError::Usage(why.into()));
+        };
+        let device = Arc::clone(renderer.device());
+        let drawn = renderer.draw_levels(spec)?;
+        without_messages(&device, drawn)
     }
 
     /// Draws `surfaces` alone.
@@ -104,10 +118,10 @@ fn draw_slices(
     without_messages(&device, frame)
 }
 
-/// `frame`, if the validation layer has nothing to say.
-fn without_messages(device: &Device, frame: Frame) -> Result<Frame, CliError> {
+/// What was `drawn`, if the validation layer has nothing to say.
+fn without_messages<T>(device: &Device, drawn: T) -> Result<T, CliError> {
     match device.instance().messages() {
-        messages if messages.is_empty() => Ok(frame),
+        messages if messages.is_empty() => Ok(drawn),
         messages => Err(CliError::Validation(messages)),
     }
 }

@@ -8,6 +8,7 @@ mod devices;
 mod error;
 mod info;
 mod job;
+mod levels;
 mod mesh;
 mod overrides;
 mod render;

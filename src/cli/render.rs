@@ -8,12 +8,13 @@ use serde_json::json;
 use super::CliError;
 use super::console::{Stages, print_json};
 use super::job::{Renderer, model_bounds, no_surfaces, transfer_function};
+use super::levels;
 use super::overrides::Overrides;
 use super::source::SourceArgs;
 use super::surfaces::Surface;
 use crate::gpu::{DeviceSelector, Validation};
 use crate::image::{FileFormat, Frame, save};
-use crate::projection::FrameSpec;
+use crate::projection::{Camera, FrameSpec};
 use crate::scene::Scene;
 use crate::target::Target;
 
@@ -69,15 +70,22 @@ impl Render {
         let mut scene = stages.time("load", || self.source.load())?;
         self.overrides.apply(&mut scene)?;
         let mut renderer = stages.time("device", || self.renderer(&scene))?;
-        let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
-        let surfaces = Surface::extract_all(&scene.surfaces, &target, &mut stages)?;
-        let frame = draw(&scene, &target, &surfaces, &mut renderer, &mut stages)?;
+        let size = scene.frame_size.unwrap_or(DEFAULT_SIZE);
+        let camera = scene.view.camera(&model_bounds(&scene), size);
+        let (frame, shown) = if scene.target.levels > 1 {
+            let (frame, zones) = levels::draw(&scene, &camera, &mut renderer, &mut stages)?;
+            (frame, levels::description(&zones))
+        } else {
+            draw(&scene, &camera, &mut renderer, &mut stages)?
+        };
+        let [r, g, b, alpha] = scene.settings.background;
+        let frame = if alpha > 0.0 { frame.over([r, g, b]) } else { frame };
         stages.time("write", || save(&frame, &self.output, &[("Software", "vcsg")]))?;
         if self.timings {
             stages.show();
         }
         if self.json {
-            print_json(&self.description(&frame, &target, &surfaces, &renderer, &stages))
+            print_json(&self.description(&frame, shown, &renderer, &stages))
         } else {
             Ok(())
         }
@@ -96,50 +104,57 @@ impl Render {
         }
     }
 
+    /// What was drawn: `shown`, a JSON object, and what holds for any frame.
     fn description(
         &self,
         frame: &Frame,
-        target: &Target,
-        surfaces: &[Surface],
+        shown: serde_json::Value,
         renderer: &Renderer,
         stages: &Stages,
     ) -> serde_json::Value {
-        json!({
+        let mut description = json!({
             "frame": self.output,
             "size": [frame.width(), frame.height()],
             "device": renderer.device_name(),
-            "lattice": target.lattice.dims,
-            "spacing_mm": target.lattice.spacing_mm().to_array(),
-            "blocks": target.blocks.len(),
-            "value_range": [target.value_range.lo, target.value_range.hi],
-            "surfaces": surfaces.iter().map(Surface::description).collect::<Vec<_>>(),
             "milliseconds": stages.to_json(),
-        })
+        });
+        if let (Some(all), serde_json::Value::Object(shown)) = (description.as_object_mut(), shown) {
+            all.extend(shown);
+        }
+        description
     }
 }
 
-/// What `scene` shows: its surfaces, its samples, or both.
+/// What `scene` shows: its surfaces, its samples, or both; and what that is made of, for `--json`.
 fn draw(
     scene: &Scene,
-    target: &Target,
-    surfaces: &[Surface],
+    camera: &Camera,
     renderer: &mut Renderer,
     stages: &mut Stages,
-) -> Result<Frame, CliError> {
-    let size = scene.frame_size.unwrap_or(DEFAULT_SIZE);
-    let camera = scene.view.camera(&model_bounds(scene), size);
+) -> Result<(Frame, serde_json::Value), CliError> {
+    let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
+    let surfaces = Surface::extract_all(&scene.surfaces, &target, stages)?;
     let frame = if scene.shows_samples() {
-        let transfer = stages.time("transfer", || transfer_function(scene, target));
+        let transfer = stages.time("transfer", || transfer_function(scene, &target));
         let spec = FrameSpec {
-            target,
+            target: &target,
             transfer: &transfer,
-            camera: &camera,
+            camera,
             settings: &scene.settings,
         };
-        renderer.draw(&spec, surfaces, stages)?
+        renderer.draw(&spec, &surfaces, stages)?
     } else {
-        renderer.draw_surfaces(&camera, &scene.settings, surfaces, stages)?
+        renderer.draw_surfaces(camera, &scene.settings, &surfaces, stages)?
     };
-    let [r, g, b, alpha] = scene.settings.background;
-    Ok(if alpha > 0.0 { frame.over([r, g, b]) } else { frame })
+    Ok((frame, described(&target, &surfaces)))
+}
+
+fn described(target: &Target, surfaces: &[Surface]) -> serde_json::Value {
+    json!({
+        "lattice": target.lattice.dims,
+        "spacing_mm": target.lattice.spacing_mm().to_array(),
+        "blocks": target.blocks.len(),
+        "value_range": [target.value_range.lo, target.value_range.hi],
+        "surfaces": surfaces.iter().map(Surface::description).collect::<Vec<_>>(),
+    })
 }

@@ -13,7 +13,7 @@ use super::bounds::placed_bounds;
 use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::Sample;
-use crate::voxelize::Placed;
+use crate::voxelize::{Grade, Placed};
 
 /// One step of a flattened tree: pushes a sample, or replaces those on top of the stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -65,6 +65,8 @@ pub struct FramePlane {
 struct Sampling {
     world_from_frame: DAffine3,
     voxel_mm: f64,
+    /// How filters change to those of the next level, if they do.
+    grade: Option<Grade>,
 }
 
 /// A model flattened in one frame.
@@ -168,7 +170,7 @@ impl Tree {
     /// If shared subtrees multiply out to more than [`Self::MAX_STEPS`] nodes, or a transform cannot be undone.
     pub fn new(model: &Model, world_from_lattice: &DAffine3) -> Result<Self, TreeError> {
         let voxel_mm = affine::spacing(world_from_lattice).max_element();
-        Self::flattened(model, world_from_lattice, voxel_mm)
+        Self::graded(model, world_from_lattice, voxel_mm, None)
     }
 
     /// Flattens `model` for points of the world, with filters for voxels `voxel_mm` apart; 0 makes all surfaces crisp.
@@ -176,10 +178,20 @@ impl Tree {
     /// # Errors
     /// As [`Self::new`].
     pub fn in_world(model: &Model, voxel_mm: f64) -> Result<Self, TreeError> {
-        Self::flattened(model, &DAffine3::IDENTITY, voxel_mm)
+        Self::graded(model, &DAffine3::IDENTITY, voxel_mm, None)
     }
 
-    fn flattened(model: &Model, world_from_frame: &DAffine3, voxel_mm: f64) -> Result<Self, TreeError> {
+    /// Flattens `model` for points of a frame placed by `world_from_frame`, with filters for voxels `voxel_mm` apart that
+    /// change to those of the next level as `grade` says.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn graded(
+        model: &Model,
+        world_from_frame: &DAffine3,
+        voxel_mm: f64,
+        grade: Option<Grade>,
+    ) -> Result<Self, TreeError> {
         if written_out(model) > Self::MAX_STEPS {
             return Err(TreeError::TooLarge);
         }
@@ -190,6 +202,7 @@ impl Tree {
         let sampling = Sampling {
             world_from_frame: *world_from_frame,
             voxel_mm,
+            grade,
         };
         // A node waits on the stack twice: to have its children visited, then to be written behind them.
         let mut pending: Vec<Visit> = model
@@ -220,7 +233,10 @@ impl Tree {
             }
             Node::Primitive(primitive) => {
                 let world_from_node = sampling.world_from_frame * node_from_frame.inverse();
-                let placed = primitive.placed(&world_from_node, sampling.voxel_mm);
+                let mut placed = primitive.placed(&world_from_node, sampling.voxel_mm);
+                if let Some(grade) = &sampling.grade {
+                    placed = placed.graded(grade);
+                }
                 let local_from_frame = placed.local_from_world * sampling.world_from_frame;
                 let bounds = placed_bounds(&placed);
                 self.push_leaf(Leaf::new(Source::Primitive(Box::new(placed)), local_from_frame, bounds));
@@ -248,6 +264,17 @@ impl Tree {
     fn push_leaf(&mut self, leaf: Leaf) {
         self.steps.push(Step::Leaf(self.leaves.len() as u32));
         self.leaves.push(leaf);
+    }
+
+    /// The tree with what lies on the side of `planes` (world) that their normals point to taken away.
+    pub fn cut_by(mut self, planes: &[Plane], world_from_frame: &DAffine3) -> Self {
+        if !self.steps.is_empty() {
+            for plane in planes {
+                self.steps.push(Step::Cut(self.cuts.len() as u32));
+                self.cuts.push(FramePlane::from(plane).moved(world_from_frame));
+            }
+        }
+        self
     }
 
     /// The steps of the whole tree, in post-order.

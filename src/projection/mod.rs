@@ -6,6 +6,7 @@ mod camera;
 mod color;
 pub mod composite;
 mod halving;
+pub mod levels;
 mod light;
 mod planes;
 pub mod presets;

@@ -44,6 +44,8 @@ pub struct SlicePlan {
     pub eye_from_lattice: DAffine3,
     /// The sampling planes.
     pub planes: Planes,
+    /// The depths that a depth cue spans, millimetres.
+    pub cue_mm: [f64; 2],
     /// One template for each distinct shape of box.
     pub templates: Vec<Template>,
     /// The boxes, back to front.
@@ -59,11 +61,14 @@ impl SlicePlan {
     pub fn new(visibility: &Visibility, camera: &Camera, planes: Planes) -> Self {
         let lattice = &visibility.target.lattice;
         let lattice_from_world = lattice.world_from_lattice.inverse();
+        let eye_from_lattice = eye_from_lattice(lattice, camera);
+        let depths = lattice.bounds().transformed(&eye_from_lattice);
         let viewpoint = camera.viewpoint().transformed(&lattice_from_world);
         let mut planner = Planner {
             plan: Self {
-                eye_from_lattice: eye_from_lattice(lattice, camera),
+                eye_from_lattice,
                 planes,
+                cue_mm: [depths.min.z, depths.max.z],
                 templates: Vec::new(),
                 boxes: Vec::new(),
                 slices: Vec::new(),

@@ -170,7 +170,10 @@ impl Shared {
         let table_image = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
         let entries = Buffer::with_data(device, "transfer table", spec.table().entries())?;
         recording.upload(&entries, &table_image);
-        let view = SurfaceView::beside(spec);
+        let view = SurfaceView {
+            cue_mm: plan.cue_mm,
+            ..SurfaceView::beside(spec)
+        };
         let data = frame::frame_data(&view, &plan.eye_from_lattice, scale, spec.shading());
         let uniform = Buffer::with_data(device, "frame data", &[data])?;
         let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;

@@ -4,6 +4,7 @@ mod depths;
 mod frame;
 mod job;
 mod layers;
+mod levels;
 mod mesh;
 mod mesh_pieces;
 mod pages;
@@ -15,6 +16,7 @@ mod surfaces;
 mod texels;
 
 pub use depths::DepthScale;
+pub use levels::{DrawLevelsError, LevelsFrame, LevelsSpec, ZoneDrawn};
 pub use mesh::{DeviceMesh, DeviceMeshError, ShownMesh};
 pub use pages::{Page, PagedTarget, Slot};
 pub use slices::{SliceRenderer, Slices, Timings, plan, soft_normals};

@@ -14,8 +14,8 @@ use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler
 use crate::image::{Frame, Rgba};
 use crate::interface::TABLE_LEN;
 use crate::projection::{
-    Camera, DrawCost, FrameSpec, ProjectError, Projector, Settings, SlicePlan, SoftNormals, TransferTable, Visibility,
-    VisibleValues,
+    Camera, DrawCost, FrameSpec, Planes, ProjectError, Projector, Settings, SlicePlan, SoftNormals, TransferTable,
+    Visibility, VisibleValues,
 };
 use crate::projection::{bands, composite};
 use crate::surface::SurfaceView;
@@ -42,6 +42,14 @@ pub struct Timings {
     pub draw: Duration,
     /// Pixels back, and their last step.
     pub read_back: Duration,
+}
+
+/// What is on the device when a frame is drawn.
+pub(super) struct Accumulated {
+    /// Of the slices, as the mode's blending leaves it.
+    pub samples: Frame,
+    /// The meshes, if there are any.
+    pub surfaces: Option<Frame>,
 }
 
 /// Draws paged targets; keeps its pipelines between frames.
@@ -120,19 +128,35 @@ impl SliceRenderer {
         plan: &SlicePlan,
         meshes: &[ShownMesh],
     ) -> Result<(Frame, Timings), ProjectError> {
+        let (accumulated, timings) = self.accumulate(spec, paged, plan, meshes)?;
+        let begin = Instant::now();
+        let mode = spec.settings.mode;
+        let projection = composite::resolve(mode, &accumulated.samples, spec.target.value_range, spec.transfer);
+        let frame = match accumulated.surfaces {
+            Some(surfaces) => composite::over_surfaces(mode, &projection, &surfaces),
+            None => projection,
+        };
+        let read_back = timings.read_back + begin.elapsed();
+        Ok((frame, Timings { read_back, ..timings }))
+    }
+
+    /// Draws what `plan` says, the last step apart.
+    pub(super) fn accumulate(
+        &mut self,
+        spec: &FrameSpec,
+        paged: &PagedTarget,
+        plan: &SlicePlan,
+        meshes: &[ShownMesh],
+    ) -> Result<(Accumulated, Timings), ProjectError> {
         self.require_size(spec.camera)?;
         let begin = Instant::now();
         let job = Job::new(self, spec, paged, plan, meshes).map_err(device_error)?;
         let prepared = Instant::now();
         job.run(&self.device).map_err(device_error)?;
         let drawn = Instant::now();
-        let accumulated = job.accumulated(&self.device).map_err(device_error)?;
-        let surfaces = job.surfaces(&self.device).map_err(device_error)?;
-        let mode = spec.settings.mode;
-        let projection = composite::resolve(mode, &accumulated, spec.target.value_range, spec.transfer);
-        let frame = match surfaces {
-            Some(surfaces) => composite::over_surfaces(mode, &projection, &surfaces),
-            None => projection,
+        let accumulated = Accumulated {
+            samples: job.accumulated(&self.device).map_err(device_error)?,
+            surfaces: job.surfaces(&self.device).map_err(device_error)?,
         };
         let timings = Timings {
             plan: Duration::ZERO,
@@ -140,7 +164,7 @@ impl SliceRenderer {
             draw: drawn - prepared,
             read_back: drawn.elapsed(),
         };
-        Ok((frame, timings))
+        Ok((accumulated, timings))
     }
 
     /// Draws meshes alone: premultiplied, without background. The depth cue spans them.
@@ -197,7 +221,7 @@ impl SliceRenderer {
 }
 
 /// An error of the device as one of projecting.
-fn device_error(error: GpuError) -> ProjectError {
+pub(super) fn device_error(error: GpuError) -> ProjectError {
     ProjectError::Device(Box::new(error))
 }
 
@@ -235,6 +259,11 @@ pub fn soft_normals(spec: &FrameSpec) -> Option<SoftNormals> {
 
 /// What [`SliceRenderer::draw`] draws of a target: its visible boxes, back to front.
 pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
+    bands::cut(plan_on(spec.planes(), spec, paged), spec)
+}
+
+/// What is drawn on `planes`, in one band.
+pub(super) fn plan_on(planes: Planes, spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
     let range = spec.target.value_range;
     let values = if spec.settings.mode.classifies() {
         VisibleValues::of(&spec.table(), range)
@@ -246,7 +275,7 @@ pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
         cells: &paged.cells,
         values: &values,
         min_cube: MIN_CUBE,
-        cost: DrawCost::new(&spec.target.lattice, spec.camera, &spec.planes()),
+        cost: DrawCost::new(&spec.target.lattice, spec.camera, &planes),
     };
-    bands::cut(SlicePlan::new(&visibility, spec.camera, spec.planes()), spec)
+    SlicePlan::new(&visibility, spec.camera, planes)
 }

@@ -76,6 +76,10 @@ impl Draft {
             "background" => self.appearance.settings.background = background(element.argument(0))?,
             _ => self.render(element)?,
         }
+        if self.appearance.target.levels > 1 && !self.appearance.surfaces.is_empty() {
+            let why = "surfaces are extracted from one level: leave out either `levels` or the `surface` nodes";
+            return Err(element.error(Problem::Conflict(why)));
+        }
         Ok(())
     }
 

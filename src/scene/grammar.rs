@@ -56,6 +56,7 @@ pub(super) const TOP: &[Rule] = &[
             "coarsen",
             "boundary",
             "min-block",
+            "levels",
             "rule",
             "family",
         ],

@@ -1,9 +1,9 @@
 //! How a scene wants its target to be built.
 
 use super::element::Element;
-use super::error::SceneError;
+use super::error::{Problem, SceneError};
 use crate::model::{Boundary, Model};
-use crate::target::{Subdivision, Target, TargetError};
+use crate::target::{Levels, Subdivision, Target, TargetError};
 
 /// The target that a scene asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +18,8 @@ pub struct TargetOptions {
     pub boundary: Boundary,
     /// Edge of the smallest block, voxels, a power of two; the builder's choice when `None`.
     pub min_block: Option<u32>,
+    /// How many levels of the multiresolution hierarchy a frame may be drawn from; 1 for the target alone.
+    pub levels: u32,
 }
 
 impl Default for TargetOptions {
@@ -28,6 +30,7 @@ impl Default for TargetOptions {
             coarsen: false,
             boundary: Boundary::default(),
             min_block: None,
+            levels: 1,
         }
     }
 }
@@ -37,7 +40,7 @@ impl TargetOptions {
     pub(super) fn read(scene: &Element) -> Result<Self, SceneError> {
         let default = Self::default();
         let boundaries = [("exact", Boundary::Exact), ("centre", Boundary::Centre)];
-        Ok(Self {
+        let options = Self {
             spacing_mm: scene.get("spacing").map(|v| v.positive()).transpose()?,
             budget_mib: scene
                 .get("budget-mib")
@@ -47,7 +50,15 @@ impl TargetOptions {
                 .get("boundary")
                 .map_or(Ok(default.boundary), |v| v.one_of(&boundaries))?,
             min_block: scene.get("min-block").map(min_block).transpose()?,
-        })
+            levels: scene
+                .get("levels")
+                .map_or(Ok(default.levels), |v| v.whole(1, Levels::MAX))?,
+        };
+        if options.levels > 1 && options.coarsen {
+            let why = "a scene with `levels` is not coarsened; use a larger `spacing` or `budget-mib`";
+            return Err(scene.error(Problem::Conflict(why)));
+        }
+        Ok(options)
     }
 
     /// The subdivision that they ask for.

@@ -78,7 +78,7 @@ impl Lattice {
     ///
     /// # Errors
     /// If the model is empty or unbounded, or the spacing impossible.
-    fn of_tree(tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
+    pub(super) fn of_tree(tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
         let bounds = tree.bounds_in(&DAffine3::IDENTITY);
         if bounds.is_empty() {
             return Err(LatticeError::Empty);
@@ -137,6 +137,19 @@ impl Lattice {
     /// Distance between neighbouring voxels along each lattice axis, millimetres.
     pub fn spacing_mm(&self) -> DVec3 {
         affine::spacing(&self.world_from_lattice)
+    }
+
+    /// The part of it that holds `bounds`, in lattice coordinates, and a voxel round them; `None` where that has no voxel.
+    pub fn part(&self, bounds: &Aabb) -> Option<Self> {
+        let inside = bounds.expand(DVec3::ONE).intersect(&self.centres());
+        if inside.is_empty() {
+            return None;
+        }
+        let (first, last) = (inside.min.floor(), inside.max.ceil());
+        Some(Self {
+            dims: (last - first + 1.0).to_array().map(|n| n as usize),
+            world_from_lattice: self.world_from_lattice * DAffine3::from_translation(first),
+        })
     }
 
     /// Voxels in all.

@@ -3,6 +3,7 @@
 mod block;
 mod cells;
 mod lattice;
+mod levels;
 mod octree;
 mod order;
 mod reconstruct;
@@ -11,6 +12,7 @@ mod voxels;
 pub use block::{Block, Layout};
 pub use cells::{CELL, CellRanges};
 pub use lattice::{Lattice, LatticeError};
+pub use levels::Levels;
 pub use octree::{Octree, OctreeNode, Subdivision, Target, TargetError};
 pub use order::{Cube, octants_back_to_front};
 pub use reconstruct::RowEvaluator;

@@ -154,6 +154,14 @@ impl Target {
     /// If the model cannot be flattened, or its blocks exceed the budget.
     pub fn on_lattice(model: &Model, lattice: Lattice, subdivision: &Subdivision) -> Result<Self, TargetError> {
         let tree = Tree::new(model, &lattice.world_from_lattice)?;
+        Self::of_tree(tree, lattice, subdivision)
+    }
+
+    /// Samples a tree that is flattened in coordinates of `lattice`.
+    ///
+    /// # Errors
+    /// If its blocks exceed the budget.
+    pub fn of_tree(tree: Tree, lattice: Lattice, subdivision: &Subdivision) -> Result<Self, TargetError> {
         let longest = lattice.dims.iter().copied().max().unwrap_or(1);
         let root = Cube {
             origin: [0; 3],
@@ -170,8 +178,7 @@ impl Target {
         let mut flat = Flattener::default();
         flat.nodes.push(OctreeNode::Empty);
         flat.place(subtree, 0, lattice.dims);
-        // Of the whole and not of the blocks: pictures are made of fractions of it, and must not depend on the subdivision.
-        let value_range = tree.prune(tree.steps(), &lattice.centres(), None).range.value;
+        let value_range = value_range(&tree, &lattice);
         Ok(Self {
             octree: Octree {
                 root,
@@ -189,6 +196,12 @@ impl Target {
     pub fn path(&self, block: &Block) -> &[Step] {
         &self.paths[block.path as usize]
     }
+}
+
+/// A range that holds every value of `tree` on `lattice`: of the whole and not of blocks, because pictures are made of fractions
+/// of it, and must not depend on the subdivision.
+pub(super) fn value_range(tree: &Tree, lattice: &Lattice) -> Interval {
+    tree.prune(tree.steps(), &lattice.centres(), None).range.value
 }
 
 /// A subtree of the octree while it is built.

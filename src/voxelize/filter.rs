@@ -73,7 +73,8 @@ pub fn chord(q: f64, from: f64, to: f64) -> f64 {
 /// The most that a density can be at `distance` from a solid: all weight farther than that from the middle; 1 inside.
 pub fn most_at(distance: f64) -> f64 {
     let d = distance.clamp(0.0, 1.0);
-    1.0 - d * d * d * (4.0 - 3.0 * d)
+    // Near the rim the terms cancel, and what is left may round to below 0.
+    (1.0 - d * d * d * (4.0 - 3.0 * d)).max(0.0)
 }
 
 /// The filter's ball as a solid's frame sees it: a ball of `radius`, or an ellipsoid where the solid is stretched or sheared.

@@ -5,13 +5,15 @@
 //! *Changes from the paper.* WK94 looks densities up by feature, in tables by distance and size. Here balls, faces, edges and
 //! vertices have closed forms, curved sides one table, and what neither fits is integrated.
 //! *Practice.* [`filter`] is the weight and its integrals; [`facet`] plane faces, [`curved`] curved ones, [`lines`] integration
-//! over lines; each kind of solid has a file; [`Solid`] is any of them and [`Primitive`] what a model holds.
+//! over lines; [`Grade`] goes from one level's filter to the next; each kind of solid has a file; [`Solid`] is any of them and
+//! [`Primitive`] what a model holds.
 
 pub mod ball;
 pub mod beams;
 pub mod curved;
 pub mod facet;
 pub mod filter;
+mod grade;
 pub mod lines;
 pub mod mesh;
 mod polyhedron;
@@ -22,6 +24,7 @@ pub mod revolved;
 mod solid;
 mod thread;
 
+pub use grade::{Footprint, Grade};
 pub use mesh::{MeshError, MeshReadError, TriangleMesh, TriangleSolid};
 pub use polyhedron::Polyhedron;
 pub use primitive::{Placed, Primitive};

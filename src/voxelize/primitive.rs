@@ -9,6 +9,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::filter::{self, Support};
+use super::grade::Grade;
 use super::solid::{NoInset, Solid};
 use crate::math::{Aabb, Interval, Overlap};
 use crate::volume::{Field, Sample, SampleRange};
@@ -69,6 +70,7 @@ impl Primitive {
                 solid,
                 hollow: self.hollow.as_ref().and_then(|hollow| hollow.moved(world_from_local)),
                 support: Some(Support::ball(radius_mm)),
+                wider: None,
                 value: self.value,
                 local_from_world: DAffine3::IDENTITY,
             };
@@ -81,6 +83,7 @@ impl Primitive {
             solid,
             hollow,
             support,
+            wider: None,
             value: self.value,
             local_from_world,
         }
@@ -94,12 +97,38 @@ pub struct Placed {
     hollow: Option<Solid>,
     /// `None` for a crisp one.
     support: Option<Support>,
+    /// The filter that it changes to on the way to the next level, if it does.
+    wider: Option<Wider>,
     value: f32,
     /// From the world to the frame in which it is evaluated.
     pub local_from_world: DAffine3,
 }
 
+/// The next level's filter, and where it takes over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wider {
+    support: Support,
+    grade: Grade,
+}
+
 impl Placed {
+    /// The same, changing to the next level's filter as `grade` (world) says. A crisp one has no filter to change.
+    pub fn graded(self, grade: &Grade) -> Self {
+        let wider = self.support.map(|support| Wider {
+            support: Support::new(support.local_from_unit * Grade::WIDER),
+            grade: grade.moved(&self.local_from_world.inverse()),
+        });
+        Self { wider, ..self }
+    }
+
+    /// The widest filter that it is sampled with.
+    fn widest(&self) -> Option<&Support> {
+        self.wider
+            .as_ref()
+            .map(|wider| &wider.support)
+            .or(self.support.as_ref())
+    }
+
     /// Its value.
     pub fn value(&self) -> f32 {
         self.value
@@ -107,7 +136,7 @@ impl Placed {
 
     /// How far beyond the surface it is more than nothing, in its frame.
     pub fn reach(&self) -> f64 {
-        self.support.map_or(0.0, |support| support.reach)
+        self.widest().map_or(0.0, |support| support.reach)
     }
 
     /// A box of its frame outside which it is nothing; infinite for a half-space.
@@ -138,15 +167,31 @@ impl Placed {
 
     /// The coverage at `p`, a point of its frame.
     pub fn coverage(&self, p: DVec3) -> f32 {
-        let of = |solid: &Solid| match &self.support {
-            Some(support) => solid.density(p, support),
-            None => f64::from(u8::from(solid.contains(p))),
-        };
-        let solid = of(&self.solid);
+        let solid = self.density(&self.solid, p);
         match &self.hollow {
-            Some(hollow) if solid > 0.0 => (solid - of(hollow)).max(0.0) as f32,
+            Some(hollow) if solid > 0.0 => (solid - self.density(hollow, p)).max(0.0) as f32,
             _ => solid as f32,
         }
+    }
+
+    /// The density of one of its solids at `p`.
+    fn density(&self, solid: &Solid, p: DVec3) -> f64 {
+        let Some(support) = &self.support else {
+            return f64::from(u8::from(solid.contains(p)));
+        };
+        let Some(wider) = &self.wider else {
+            return solid.density(p, support);
+        };
+        let share = wider.grade.share(p);
+        if share >= 1.0 {
+            return solid.density(p, &wider.support);
+        }
+        let own = solid.density(p, support);
+        if share <= 0.0 {
+            return own;
+        }
+        // In this form two equal densities stay what they are.
+        own + share * (solid.density(p, &wider.support) - own)
     }
 
     /// The sample at `p`, a point of its frame.
@@ -180,7 +225,8 @@ impl Placed {
 
     /// The coverages over a box of its frame.
     pub fn coverage_range(&self, region: &Aabb) -> Interval {
-        let Some(support) = &self.support else {
+        // The wider the filter, the farther from 0 and 1.
+        let Some(support) = self.widest() else {
             return Interval::new(0.0, 1.0);
         };
         let of = |solid: &Solid| {

@@ -17,7 +17,7 @@ use std::path::Path;
 use serde::Serialize;
 
 pub use self::error::{Position, Problem, ReadError};
-pub use self::nrrd_write::{Encoding, WriteError, write as write_nrrd};
+pub use self::nrrd_write::{Encoding, NrrdBeside, WriteError, write as write_nrrd};
 pub use self::payload::ByteOrder;
 use super::grid::Grid;
 use super::voxel::VoxelType;

@@ -37,15 +37,43 @@ pub struct WriteError {
 /// # Errors
 /// The operating system's, with the file's name.
 pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> Result<(), WriteError> {
-    let beside = Beside::new(path);
-    let written = write_to(&beside.0, grid, encoding).and_then(|()| fs::rename(&beside.0, path));
-    written.map_err(|source| WriteError {
-        path: path.to_owned(),
-        source,
-    })
+    NrrdBeside::write(path, grid, encoding)?.put()
+}
+
+/// A complete file beside the place that it is for; it disappears unless it is put there.
+#[derive(Debug)]
+pub struct NrrdBeside {
+    beside: Beside,
+    path: PathBuf,
+}
+
+impl NrrdBeside {
+    /// Writes `grid` beside `path`.
+    ///
+    /// # Errors
+    /// The operating system's, with the file's name.
+    pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> Result<Self, WriteError> {
+        let (beside, path) = (Beside::new(path), path.to_owned());
+        match write_to(&beside.0, grid, encoding) {
+            Ok(()) => Ok(Self { beside, path }),
+            Err(source) => Err(WriteError { path, source }),
+        }
+    }
+
+    /// Puts it in its place.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn put(self) -> Result<(), WriteError> {
+        fs::rename(&self.beside.0, &self.path).map_err(|source| WriteError {
+            path: self.path.clone(),
+            source,
+        })
+    }
 }
 
 /// A file beside the one to write, removed when it goes out of use; after a rename it is no longer there.
+#[derive(Debug)]
 struct Beside(PathBuf);
 
 impl Beside {
