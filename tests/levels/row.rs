@@ -11,20 +11,26 @@ pub const FOCAL_PX: f64 = 96.0;
 
 /// `count` posts of 4 · 4 · 24 mm, `apart` mm from each other along y, to the left and right of the line of sight in turn.
 pub fn posts(count: u32, apart: f64) -> Model {
-    at_places((0..count).map(|n| {
-        let aside = if n % 2 == 0 { -5.0 } else { 5.0 };
-        DVec3::new(aside, f64::from(n) * apart, 0.0)
-    }))
+    at_places(
+        12.0,
+        (0..count).map(|n| {
+            let aside = if n % 2 == 0 { -5.0 } else { 5.0 };
+            DVec3::new(aside, f64::from(n) * apart, 0.0)
+        }),
+    )
 }
 
-/// The same posts side by side across the line of sight, 6 mm of air between them.
-pub fn fence(count: u32) -> Model {
-    at_places((0..count).map(|n| DVec3::new(10.0 * (f64::from(n) - 0.5 * f64::from(count)), 0.0, 0.0)))
+/// Posts of 4 · 4 mm, `half_height` up and down, side by side across the line of sight, 6 mm of air between them.
+pub fn fence(count: u32, half_height: f64) -> Model {
+    at_places(
+        half_height,
+        (0..count).map(|n| DVec3::new(10.0 * (f64::from(n) - 0.5 * f64::from(count)), 0.0, 0.0)),
+    )
 }
 
-fn at_places(places: impl Iterator<Item = DVec3>) -> Model {
+fn at_places(half_height: f64, places: impl Iterator<Item = DVec3>) -> Model {
     let mut model = Model::default();
-    let half = DVec3::new(2.0, 2.0, 12.0);
+    let half = DVec3::new(2.0, 2.0, half_height);
     let post = model.push(Node::Primitive(Primitive::soft(
         Solid::Box(Aabb::new(-half, half)),
         1.0,
