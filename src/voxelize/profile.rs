@@ -38,6 +38,9 @@ pub enum Piece {
     },
 }
 
+/// How far, as a part of a piece, its ends may be missed: a line along the axis must meet the pieces that end there.
+const ROUNDING: f64 = 1e-12;
+
 /// The point of a piece nearest to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
@@ -71,7 +74,7 @@ impl Piece {
             from,
             sweep,
             middle: DVec2::from_angle(from + 0.5 * sweep),
-            cosine: if full { -1.0 } else { (0.5 * sweep).cos() },
+            cosine: if full { -1.0 } else { (0.5 * sweep).cos() - ROUNDING },
         }
     }
 
@@ -210,7 +213,7 @@ impl Piece {
             Self::Line { from, to, .. } => {
                 let t = (rho - from.x) / (to.x - from.x);
                 let z = from.y + t * (to.y - from.y);
-                (0.0..=1.0).contains(&t).then_some((z, z))
+                (-ROUNDING..=1.0 + ROUNDING).contains(&t).then_some((z, z))
             }
             Self::Arc {
                 center,
