@@ -42,9 +42,9 @@ struct Arguments {
     /// Fail if a bar is missed.
     #[arg(long)]
     strict: bool,
-    /// Measure surfaces only, and write no report.
-    #[arg(long)]
-    surfaces: bool,
+    /// Measure surfaces only, those with this in their names, and write no report.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
+    surfaces: Option<String>,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
@@ -88,8 +88,8 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return surfaces::print_growth_of(name).map(|()| 0);
     }
     vtk::require_setup()?;
-    if arguments.surfaces {
-        return surfaces::compare(arguments.repetitions().runs).map(|_| 0);
+    if let Some(name) = &arguments.surfaces {
+        return surfaces::compare(name, arguments.repetitions().runs).map(|_| 0);
     }
     vtk::write_volumes()?;
     let report = Report::measure(arguments.repetitions())?;
@@ -125,7 +125,7 @@ impl Report {
             rates: rates::measure(&device, repetitions.runs)?,
             resampling: resampling::compare(repetitions.runs)?,
             memory: memory::measure()?,
-            surfaces: surfaces::compare(repetitions.runs)?,
+            surfaces: surfaces::compare("", repetitions.runs)?,
         })
     }
 

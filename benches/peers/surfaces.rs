@@ -82,8 +82,8 @@ pub struct Comparison {
     pub bars: Vec<Bar>,
 }
 
-/// Compares on all volumes; each comparison is printed when it is done.
-pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
+/// Compares on all volumes with `name` in theirs; each comparison is printed when it is done.
+pub fn compare(name: &str, repetitions: usize) -> Outcome<Vec<Comparison>> {
     println!(
         "\nSurfaces with normals; milliseconds, and how many times as fast as one thread, vtkFlyingEdges3D, vtkMarchingCubes; memory over the mesh's"
     );
@@ -105,7 +105,7 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
         "memory"
     );
     let mut done = Vec::new();
-    for case in &CASES {
+    for case in CASES.iter().filter(|case| case.name().contains(name)) {
         let comparison = case.compare(repetitions)?;
         comparison.print();
         done.push(comparison);
