@@ -91,6 +91,7 @@
 
 #![warn(missing_docs)]
 
+pub mod array;
 pub mod cli;
 pub mod conformance;
 pub mod gpu;

@@ -7,6 +7,7 @@ mod frames;
 mod machine;
 mod memory;
 mod picture;
+mod pinning;
 #[path = "../quads/mod.rs"]
 mod quads;
 mod rates;
