@@ -89,6 +89,7 @@
 
 #![warn(missing_docs)]
 
+pub mod array;
 pub mod cli;
 pub mod conformance;
 pub mod gpu;

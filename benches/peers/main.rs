@@ -7,6 +7,7 @@ mod frames;
 mod machine;
 mod memory;
 mod picture;
+mod pinning;
 #[path = "../quads/mod.rs"]
 mod quads;
 mod rates;
@@ -45,9 +46,9 @@ struct Arguments {
     /// Measure frames only, and write no report.
     #[arg(long)]
     frames: bool,
-    /// Measure surfaces only, and write no report.
-    #[arg(long)]
-    surfaces: bool,
+    /// Measure surfaces only, those with this in their names, and write no report.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
+    surfaces: Option<String>,
     /// Measure resampling only, and write no report.
     #[arg(long)]
     resampling: bool,
@@ -94,8 +95,8 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return surfaces::print_growth_of(name).map(|()| 0);
     }
     vtk::require_setup()?;
-    if arguments.surfaces {
-        return surfaces::compare(arguments.repetitions().runs).map(|_| 0);
+    if let Some(name) = &arguments.surfaces {
+        return surfaces::compare(name, arguments.repetitions().runs).map(|_| 0);
     }
     vtk::write_volumes()?;
     if arguments.frames {
@@ -137,7 +138,7 @@ impl Report {
             rates: rates::measure(&device, repetitions.runs)?,
             resampling: resampling::compare(repetitions.runs)?,
             memory: memory::measure()?,
-            surfaces: surfaces::compare(repetitions.runs)?,
+            surfaces: surfaces::compare("", repetitions.runs)?,
         })
     }
 

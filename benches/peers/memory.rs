@@ -4,6 +4,7 @@ use std::process::{Command, Stdio};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use vcsg::array::Array;
 use vcsg::render::SliceRenderer;
 use vcsg::target::Subdivision;
 
@@ -130,6 +131,14 @@ pub fn growth<T>(run: impl FnOnce() -> T) -> Outcome<(T, u64)> {
     let before = status_bytes("VmRSS")?;
     let result = run();
     Ok((result, status_bytes("VmHWM")?.saturating_sub(before)))
+}
+
+/// Writes to `bytes` of free memory and frees them. The host of a virtual machine may have taken memory that was free for seconds;
+/// it is slow to give it back, and that is nobody's speed.
+pub fn touch_free(bytes: usize) {
+    let mut memory = Array::<u8>::zeroed(bytes);
+    memory.chunks_mut(4096).for_each(|page| page[0] = 1);
+    std::hint::black_box(&memory);
 }
 
 /// A field of /proc/self/status, bytes.

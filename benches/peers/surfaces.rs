@@ -1,4 +1,4 @@
-//! Marching cubes against VTK's two ways to a surface, on the same voxels, normals included.
+//! Marching cubes against other programs' ways to a surface, on the same voxels; normals included where they have them.
 
 use std::path::Path;
 
@@ -12,17 +12,29 @@ use vcsg::volume::{Grid, Voxels};
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
 use crate::memory;
+use crate::pinning;
 use crate::runs::{Ratios, Summary, timed};
 use crate::vtk::Peer;
 
-/// How many times as fast as each method of the peer ours must be.
-const BARS: [(&str, f64); 2] = [("flying-edges", 2.0), ("marching-cubes", 8.0)];
+/// Methods of the peers, and how many times as fast as each ours must be.
+const METHODS: [(&str, Option<f64>); 4] = [
+    ("flying-edges", Some(2.0)),
+    ("marching-cubes", Some(8.0)),
+    ("scikit-image", None),
+    ("pymcubes", None),
+];
+
+/// The largest volume for methods without a bar, which are slow.
+const LARGEST_WITHOUT_BAR: usize = 256;
 
 /// How many times as fast two threads must be as one.
 const TWO_THREADS: f64 = 1.7;
 
 /// The most that the resident memory may grow by, in sizes of the mesh.
 const MEMORY: f64 = 1.5;
+
+/// Free memory that is touched before each run, ours or a peer's, in sizes of the mesh.
+const TOUCHED: usize = 4;
 
 /// The value whose surface is extracted, as a fraction of a type's range of values.
 const ISO: f64 = 0.5;
@@ -82,13 +94,13 @@ pub struct Comparison {
     pub bars: Vec<Bar>,
 }
 
-/// Compares on all volumes; each comparison is printed when it is done.
-pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
+/// Compares on all volumes with `name` in theirs; each comparison is printed when it is done.
+pub fn compare(name: &str, repetitions: usize) -> Outcome<Vec<Comparison>> {
     println!(
-        "\nSurfaces with normals; milliseconds, and how many times as fast as one thread, vtkFlyingEdges3D, vtkMarchingCubes; memory over the mesh's"
+        "\nSurfaces with normals; milliseconds, and how many times as fast as one thread and as peers; memory over the mesh's"
     );
     println!(
-        "{:<16} {:>10} {:>8} {:>8} {:>8} | {:>8} {:>7} | {:>8} {:>7} {:>6} | {:>8} {:>7} {:>6} | {:>6}",
+        "{:<16} {:>10} {:>8} {:>8} {:>8} | {:>8} {:>7} | {:>6}{}",
         "",
         "triangles",
         "median",
@@ -96,16 +108,13 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
         "CPU",
         "1 thread",
         "times",
-        "FE med",
-        "times",
-        "CPU",
-        "MC med",
-        "times",
-        "CPU",
-        "memory"
+        "memory",
+        METHODS
+            .map(|(method, _)| format!(" | {method:>14} {:>7} {:>6}", "times", "CPU"))
+            .concat()
     );
     let mut done = Vec::new();
-    for case in &CASES {
+    for case in CASES.iter().filter(|case| case.name().contains(name)) {
         let comparison = case.compare(repetitions)?;
         comparison.print();
         done.push(comparison);
@@ -171,11 +180,8 @@ impl Case {
         write_whole(Path::new(&path), |out| {
             std::io::Write::write_all(out, bytes(grid.voxels()))
         })?;
-        let mut peers = Vec::new();
-        for (method, _) in BARS {
-            peers.push(self.peer(&path, method)?);
-        }
-        let single = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let mut peers = self.peers(&path)?;
+        let (single, all) = (pinning::pool(1)?, pinning::pool(rayon::current_num_threads())?);
         let extract = || marching_cubes(&grid, self.iso());
         let mesh = extract()?;
         let (triangles, vertices) = (mesh.triangles.len(), mesh.positions.len());
@@ -183,15 +189,19 @@ impl Case {
         let memory = grown as f64 / (12 * triangles + 24 * vertices) as f64;
         drop(mesh);
         let (mut ours, mut one, mut theirs) = (Vec::new(), Vec::new(), vec![Vec::new(); peers.len()]);
+        let touch = || memory::touch_free(TOUCHED * (12 * triangles + 24 * vertices));
         for _ in 0..repetitions {
-            ours.push(timed(extract).1);
+            touch();
+            ours.push(timed(|| all.install(extract)).1);
+            touch();
             one.push(timed(|| single.install(extract)).1);
             for ((peer, _), runs) in peers.iter_mut().zip(&mut theirs) {
+                touch();
                 runs.push(peer.run()?);
             }
         }
         let (ours, one_thread) = (Summary::of(ours), Summary::of(one));
-        let against: Vec<Against> = BARS
+        let against: Vec<Against> = METHODS
             .iter()
             .zip(peers)
             .zip(theirs)
@@ -224,6 +234,14 @@ impl Case {
         })
     }
 
+    /// Those that have a bar, and for volumes that are not too large for them the others too.
+    fn peers(&self, path: &str) -> Outcome<Vec<(Peer, PeerSurface)>> {
+        let measured = METHODS
+            .iter()
+            .filter(|(_, limit)| limit.is_some() || self.side <= LARGEST_WITHOUT_BAR);
+        measured.map(|(method, _)| self.peer(path, method)).collect()
+    }
+
     fn peer(&self, path: &str, method: &str) -> Outcome<(Peer, PeerSurface)> {
         let arguments = [
             ["--raw", path],
@@ -232,7 +250,9 @@ impl Case {
             ["--method", method],
             ["--threads", &rayon::current_num_threads().to_string()],
         ];
-        Peer::start("tools/peers/vtk_surface.py", arguments.as_flattened())
+        let (peer, surface) = Peer::start("tools/peers/surface.py", arguments.as_flattened())?;
+        peer.pin()?;
+        Ok((peer, surface))
     }
 
     fn bars(&self, threads: &Ratios, against: &[Against]) -> Vec<Bar> {
@@ -243,8 +263,8 @@ impl Case {
         };
         let peers = against
             .iter()
-            .zip(BARS)
-            .map(|(a, (method, limit))| bar(method, a.faster.median, limit));
+            .zip(METHODS)
+            .filter_map(|(a, (method, limit))| Some(bar(method, a.faster.median, limit?)));
         peers.chain([bar("one thread", threads.median, TWO_THREADS)]).collect()
     }
 }
@@ -261,7 +281,7 @@ impl Comparison {
     fn print(&self) {
         let (o, one) = (&self.ours, &self.one_thread);
         print!(
-            "{:<16} {:>10} {:8.1} {:8.1} {:8.1} | {:8.1} {:7.2}",
+            "{:<16} {:>10} {:8.1} {:8.1} {:8.1} | {:8.1} {:7.2} | {:6.2}",
             self.what,
             self.triangles,
             o.median_s * 1e3,
@@ -269,15 +289,16 @@ impl Comparison {
             o.cpu_min_s * 1e3,
             one.median_s * 1e3,
             one.median_s / o.median_s,
+            self.memory,
         );
         for a in &self.against {
             print!(
-                " | {:8.1} {:7.2} {:6.2}",
+                " | {:14.1} {:7.2} {:6.2}",
                 a.theirs.median_s * 1e3,
                 a.faster.median,
                 a.faster.cpu
             );
         }
-        println!(" | {:6.2}", self.memory);
+        println!();
     }
 }

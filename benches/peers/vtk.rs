@@ -7,6 +7,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use serde::de::DeserializeOwned;
 
 use crate::Outcome;
+use crate::pinning;
 use crate::runs::Run;
 
 const PYTHON: &str = "target/deps/vtk/bin/python";
@@ -52,6 +53,8 @@ impl Peer {
             .arg("--serve")
             // Both sides draw on Mesa's processor driver, whatever else the machine has.
             .env("LIBGL_ALWAYS_SOFTWARE", "1")
+            // NumPy only holds the voxels: its threads would stand between those that are pinned.
+            .env("OPENBLAS_NUM_THREADS", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;
@@ -65,6 +68,11 @@ impl Peer {
         };
         let about = peer.answer()?;
         Ok((peer, about))
+    }
+
+    /// Keeps each of its threads on a processor.
+    pub fn pin(&self) -> Outcome<()> {
+        pinning::pin_threads_of(self.child.id())
     }
 
     /// One run.

@@ -5,12 +5,13 @@
 //! *Changes from the paper.* Not cell after cell with the last row's vertices kept, but two passes over runs of slices in
 //! parallel: the first counts each slice's vertices and triangles, so that the second knows where to write them. Their order
 //! does not depend on the number of threads.
-//! *Practice.* The first pass is all that reads every voxel, and leaves only which words of a row the surface may touch; the
-//! second reads those again. A run goes a few slices at a time, whose bits then stay in the processor's caches. Slices may
+//! *Practice.* The first pass is all that reads every voxel, and leaves only the words through which the surface goes; the
+//! second reads the voxels round its vertices. A run goes a few slices at a time, whose bits then stay in the processor's caches. Slices may
 //! come all together or some at a time.
 
 use std::ops::Range;
 
+use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::cells::{self, Cells};
@@ -19,9 +20,11 @@ use super::extract::{ExtractError, Topology};
 use super::inside::{Classifier, InsideRows};
 use super::manifold;
 use super::mesh::{Mesh, Part};
+use super::slices::Slices;
 use super::vertices::{Hit, Level, Loose, VertexSink, interpolate};
 use super::weld::{Layout, weld};
-use super::words::{Known, WordSets};
+use super::words::{Known, SliceWords};
+use crate::array::Array;
 use crate::volume::Voxel;
 
 /// Slices whose bits are made together: few enough for a cache, many beside the four more that are held for their sake.
@@ -68,14 +71,14 @@ impl Assembly {
     pub fn add<T: Voxel>(&mut self, classifier: &Classifier<'_, T>, layers: Range<usize>) -> Result<(), ExtractError> {
         let longest = layers.len().div_ceil(RUNS_A_THREAD * rayon::current_num_threads());
         let length = longest.clamp(1, LONGEST_RUN);
-        let sets = self.count(classifier, &layers, length)?;
+        let words = self.count(classifier, &layers, length)?;
         let [vertices, triangles] = self.before[layers.end];
-        grow(&mut self.mesh.positions, vertices, [0.0; 3]);
-        grow(&mut self.mesh.normals, vertices, [0.0; 3]);
-        grow(&mut self.mesh.triangles, triangles, [0; 3]);
+        grow(&mut self.mesh.positions, vertices);
+        grow(&mut self.mesh.normals, vertices);
+        grow(&mut self.mesh.triangles, triangles);
         let known = Known {
             first_slice: layers.start,
-            sets: &sets,
+            slices: &words,
         };
         for done in self.fill(classifier, &layers, length, known).into_iter().flatten() {
             self.hits.push(done.hits);
@@ -90,36 +93,23 @@ impl Assembly {
         classifier: &Classifier<'_, T>,
         layers: &Range<usize>,
         length: usize,
-    ) -> Result<Vec<WordSets>, ExtractError> {
-        let ny = self.dims[1];
-        let (topology, iso) = (self.topology, self.level.iso());
-        let mut sets = vec![WordSets::OUTSIDE; ny * layers.len()];
+    ) -> Result<Vec<SliceWords>, ExtractError> {
+        let mut words = vec![SliceWords::default(); layers.len()];
         let mut counts = vec![[0; 2]; layers.len()];
-        let runs = sets.par_chunks_mut(ny * length).zip(counts.par_chunks_mut(length));
-        runs.enumerate().for_each(|(n, (sets, counts))| {
+        let runs = words.par_chunks_mut(length).zip(counts.par_chunks_mut(length));
+        runs.enumerate().for_each(|(n, (words, counts))| {
             let first = layers.start + n * length;
             let mut crossings = Crossings::new(classifier.slices.dims);
             let mut cells = Cells::default();
             walk(classifier, first..first + counts.len(), Known::default(), |rows, k| {
-                sets[ny * (k - first)..][..ny].copy_from_slice(rows.sets(k));
+                words[k - first] = rows.words_of(k);
                 crossings.find(rows, k);
-                let count = &mut counts[k - first];
-                count[0] = crossings.count();
+                counts[k - first] = [crossings.count(), 0];
                 if rows.slices.contains(&(k + 1)) {
                     cells.find(rows, k);
-                    match topology {
-                        Topology::Vtk => count[1] = cells::count(rows, k, &cells),
-                        Topology::Trilinear => {
-                            let layer = manifold::Layer {
-                                slices: classifier.slices,
-                                k,
-                                active: &cells.active,
-                            };
-                            let within = layer.count(iso);
-                            count[0] += within[0];
-                            count[1] = within[1];
-                        }
-                    }
+                    let within = self.count_within(classifier.slices, rows, k, &cells);
+                    counts[k - first][0] += within[0];
+                    counts[k - first][1] = within[1];
                 }
             });
         });
@@ -130,7 +120,18 @@ impl Assembly {
             self.before
                 .push([countable(vertices, "vertices")?, countable(triangles, "triangles")?]);
         }
-        Ok(sets)
+        Ok(words)
+    }
+
+    /// How many vertices lie within the `cells` above slice `k`, and how many triangles these have.
+    fn count_within<T: Voxel>(&self, slices: Slices<'_, T>, rows: &InsideRows, k: usize, cells: &Cells) -> [u64; 2] {
+        match self.topology {
+            Topology::Vtk => [0, cells::count(rows, k, cells)],
+            Topology::Trilinear => {
+                let active = &cells.active;
+                manifold::Layer { slices, k, active }.count(self.level.iso())
+            }
+        }
     }
 
     /// Writes each layer's vertices and triangles.
@@ -305,11 +306,12 @@ fn countable(n: u64, what: &'static str) -> Result<usize, ExtractError> {
 }
 
 /// Lengthens `values` to `len`. An empty one is made anew: zeros come from the system without being written.
-fn grow<T: Copy + Send + Sync>(values: &mut Vec<T>, len: usize, zero: T) {
+fn grow<T: Pod + Send + Sync>(values: &mut Array<T>, len: usize) {
     if values.is_empty() {
-        *values = vec![zero; len];
+        *values = Array::zeroed(len);
     } else {
-        values.par_extend(rayon::iter::repeat_n(zero, len - values.len()));
+        let more = len - values.len();
+        values.to_mut().par_extend(rayon::iter::repeat_n(T::zeroed(), more));
     }
 }
 

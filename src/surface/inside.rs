@@ -4,14 +4,14 @@
 //! *Changes from the paper.* The bits of a whole row are found at once. All that follows works on words of 64 of them: where
 //! an edge is crossed its two ends differ, so crossings are an exclusive or of rows, and counting set bits numbers them.
 //! *Practice.* The isovalue is turned into the smallest value of the voxels' own type that is inside, so that voxels are
-//! compared as they are. Bits are held for a few slices only. Of the others no more is kept than which words need another look
-//! ([`words`](super::words)), so that a second pass reads the voxels near the surface and no others.
+//! compared as they are. Bits are held for a few slices only. Of the others no more is kept than the words through which
+//! the surface goes ([`words`](super::words)), so that a second pass compares no voxels but those of the isovalue.
 
 use std::ops::Range;
 
 use super::cells::SetBits;
 use super::slices::Slices;
-use super::words::{Known, WordSets, existing};
+use super::words::{Known, SliceWords, WordSets, existing};
 use crate::volume::Voxel;
 
 /// What becomes of vertices that lie on one voxel because it has the isovalue.
@@ -109,8 +109,8 @@ impl InsideRows {
         rows
     }
 
-    /// Holds the slices `held`, which start and end in or after those held before; what is held already is kept. Where words
-    /// are `known` only the mixed ones are looked at.
+    /// Holds the slices `held`, which start and end in or after those held before; what is held already is kept. The bits of
+    /// slices that are `known` are written down from there.
     pub fn move_to<T: Voxel>(&mut self, classifier: &Classifier<'_, T>, held: Range<usize>, known: Known<'_>) {
         let fresh = self.slices.end.max(held.start);
         self.drop_before(held.start);
@@ -144,9 +144,9 @@ impl InsideRows {
             return;
         };
         let (voxels, inside) = (classifier.slices.slice(k), &mut self.inside[words]);
-        if let Some(known) = known.slice(k, ny) {
-            sets.copy_from_slice(known);
-            classify_mixed(voxels, self.dims[0], smallest_inside, inside, sets);
+        if let Some(known) = known.slice(k) {
+            sets.copy_from_slice(&known.sets);
+            known.restore(self.dims[0], inside);
         } else {
             classify(voxels, self.dims[0], smallest_inside, inside);
             for (row, sets) in inside.chunks_exact(self.words_a_row).zip(sets) {
@@ -215,6 +215,11 @@ impl InsideRows {
         self.sets(k).iter().any(|sets| sets.on != 0)
     }
 
+    /// What is known of the words of slice `k`.
+    pub fn words_of(&self, k: usize) -> SliceWords {
+        SliceWords::new(self.sets(k), self.dims[0], self.inside(k).0)
+    }
+
     /// What is known of the rows of slice `k`.
     pub fn sets(&self, k: usize) -> &[WordSets] {
         &self.sets[self.first_row(k)..][..self.dims[1]]
@@ -267,34 +272,6 @@ fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &m
         }
         if let Some(last) = inside.get_mut(whole.len()) {
             *last = not_below(rest, smallest_inside);
-        }
-    }
-}
-
-/// [`classify`] where it is known of most words that they are all inside or all outside.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn classify_mixed<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &mut [u64], sets: &[WordSets]) {
-    let words = width.div_ceil(64);
-    let shift = WordSets::shift(width);
-    for (j, sets) in sets.iter().enumerate() {
-        let inside = &mut inside[j * words..][..words];
-        for (w, word) in inside.iter_mut().enumerate().filter(|_| sets.full != 0) {
-            *word = if sets.full >> (w >> shift) & 1 == 1 {
-                existing(width, w)
-            } else {
-                0
-            };
-        }
-        let row = &voxels[j * width..][..width];
-        for group in SetBits(u64::from(sets.mixed)) {
-            let first = (group as usize) << shift;
-            for w in first..(first + (1 << shift)).min(words) {
-                let chunk = &row[w * 64..width.min(w * 64 + 64)];
-                inside[w] = match chunk.as_array::<64>() {
-                    Some(chunk) => not_below(chunk, smallest_inside),
-                    None => not_below(chunk, smallest_inside),
-                };
-            }
         }
     }
 }
@@ -400,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_look_at_some_words_finds_the_same() {
+    fn bits_come_back_from_what_is_kept() {
         // From rows of one word to rows of several words in a group.
         for width in [3, 64, 300, 2048, 2049, 4200] {
             let dims = [width, 4, 3];
@@ -417,10 +394,10 @@ mod tests {
             };
             let classifier = Classifier::new(slices, 5.0, Ties::OneVertex);
             let first = InsideRows::of(&classifier, 0..3);
-            let sets: Vec<WordSets> = (0..3).flat_map(|k| first.sets(k).to_vec()).collect();
+            let words: Vec<SliceWords> = (0..3).map(|k| first.words_of(k)).collect();
             let known = Known {
                 first_slice: 0,
-                sets: &sets,
+                slices: &words,
             };
             let mut again = InsideRows::new(dims);
             again.move_to(&classifier, 0..3, known);

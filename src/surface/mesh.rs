@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::extract::ExtractError;
+use crate::array::Array;
 
 /// Triangles that share vertices. Positions are LPS millimetres.
 ///
@@ -10,15 +11,15 @@ use super::extract::ExtractError;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Where the vertices are.
-    pub positions: Vec<[f32; 3]>,
+    pub positions: Array<[f32; 3]>,
     /// One unit normal a vertex, towards lower values; zero where the data has no gradient.
-    pub normals: Vec<[f32; 3]>,
+    pub normals: Array<[f32; 3]>,
     /// The data's value at each vertex, or empty.
     pub values: Vec<f32>,
     /// Red, green, blue and alpha of each vertex, not premultiplied, in sRGB; or empty.
     pub colors: Vec<[u8; 4]>,
     /// Three vertices a triangle.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Array<[u32; 3]>,
     /// Runs of triangles that belong together, in their order and without gaps.
     pub parts: Vec<Part>,
 }
@@ -44,12 +45,12 @@ impl Mesh {
         u32::try_from(self.positions.len() + other.positions.len()).map_err(too_large)?;
         let (vertices, triangles) = (self.positions.len() as u32, self.triangles.len());
         let labels = self.parts.iter().map(|part| part.label + 1).max().unwrap_or(0);
-        self.positions.append(&mut other.positions);
-        self.normals.append(&mut other.normals);
+        self.positions.to_mut().extend(&other.positions);
+        self.normals.to_mut().extend(&other.normals);
         self.values.append(&mut other.values);
         self.colors.append(&mut other.colors);
-        self.triangles
-            .extend(other.triangles.into_iter().map(|t| t.map(|v| v + vertices)));
+        let renumbered = other.triangles.iter().map(|t| t.map(|v| v + vertices));
+        self.triangles.to_mut().extend(renumbered);
         self.parts.extend(other.parts.into_iter().map(|part| Part {
             label: part.label + labels,
             triangles: part.triangles.start + triangles..part.triangles.end + triangles,

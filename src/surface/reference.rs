@@ -138,8 +138,8 @@ mod tests {
 
     fn triangle(z: f32) -> Mesh {
         Mesh {
-            positions: vec![[-10.0, z, -10.0], [10.0, z, -10.0], [0.0, z, 10.0]],
-            triangles: vec![[0, 1, 2]],
+            positions: vec![[-10.0, z, -10.0], [10.0, z, -10.0], [0.0, z, 10.0]].into(),
+            triangles: vec![[0, 1, 2]].into(),
             ..Mesh::default()
         }
     }

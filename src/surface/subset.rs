@@ -31,11 +31,11 @@ pub(super) fn with_triangles(mesh: &Mesh, mut triangles: Vec<[u32; 3]>, parts: V
         *triangle = triangle.map(|v| number[v as usize]);
     }
     Mesh {
-        positions: of(&mesh.positions, &used),
-        normals: of(&mesh.normals, &used),
+        positions: of(&mesh.positions, &used).into(),
+        normals: of(&mesh.normals, &used).into(),
         values: of(&mesh.values, &used),
         colors: of(&mesh.colors, &used),
-        triangles,
+        triangles: triangles.into(),
         parts,
     }
 }

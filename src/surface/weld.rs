@@ -118,7 +118,9 @@ fn rename(mesh: &mut Mesh, renamed: &HashMap<u32, u32>, layout: &Layout<'_>) {
     }
     // From the last on, so that what fills a gap is no gap itself.
     for n in dropped.into_iter().rev() {
-        mesh.triangles.swap_remove(n);
+        let last = mesh.triangles.len() - 1;
+        mesh.triangles.swap(n, last);
+        mesh.triangles.truncate(last);
     }
 }
 

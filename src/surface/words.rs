@@ -1,6 +1,7 @@
-//! What is known of rows of voxels once they were looked at: which words of their bits need another look.
+//! What is kept of the bits of slices that were looked at, so that no voxel is compared twice.
 //!
-//! *Practice.* Twelve bytes a row, however long it is, so that it is small beside any volume.
+//! *Practice.* Words whose bits are alike take none: twelve bytes a row, however long it is, and eight for each word through which
+//! the surface goes. That is small beside the volume, and what grows with the surface is small beside the mesh.
 
 /// What is known of a row's words: a bit for each, or for each group of `2^n` of them where a row has more than 32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,18 +50,66 @@ pub(super) fn existing(width: usize, w: usize) -> u64 {
     if left >= 64 { u64::MAX } else { (1 << left) - 1 }
 }
 
-/// What is known of the rows of some slices.
+/// What is kept of a slice's bits: all of them, in few words.
+#[derive(Clone, Default)]
+pub(super) struct SliceWords {
+    /// Of each row.
+    pub sets: Vec<WordSets>,
+    /// The words of all mixed groups.
+    mixed: Vec<u64>,
+}
+
+impl SliceWords {
+    /// Those of rows of `width` voxels, of which `inside` has the bits and `sets` are known.
+    pub fn new(sets: &[WordSets], width: usize, inside: &[u64]) -> Self {
+        let shift = WordSets::shift(width);
+        let groups: u32 = sets.iter().map(|sets| sets.mixed.count_ones()).sum();
+        let mut mixed = Vec::with_capacity((groups as usize) << shift);
+        let rows = inside.chunks_exact(width.div_ceil(64)).zip(sets);
+        for (row, sets) in rows.filter(|(_, sets)| sets.mixed != 0) {
+            let is_mixed = |w: usize| sets.mixed >> (w >> shift) & 1 == 1;
+            mixed.extend(
+                row.iter()
+                    .enumerate()
+                    .filter(|(w, _)| is_mixed(*w))
+                    .map(|(_, word)| word),
+            );
+        }
+        Self {
+            sets: sets.to_vec(),
+            mixed,
+        }
+    }
+
+    /// Writes the bits of rows of `width` voxels to `inside`.
+    pub fn restore(&self, width: usize, inside: &mut [u64]) {
+        let shift = WordSets::shift(width);
+        let mut mixed = self.mixed.iter();
+        for (row, sets) in inside.chunks_exact_mut(width.div_ceil(64)).zip(&self.sets) {
+            for (w, word) in row.iter_mut().enumerate() {
+                let is_in = |set: u32| set >> (w >> shift) & 1 == 1;
+                *word = if is_in(sets.mixed) {
+                    mixed.next().copied().unwrap_or(0)
+                } else if is_in(sets.full) {
+                    existing(width, w)
+                } else {
+                    0
+                };
+            }
+        }
+    }
+}
+
+/// What is known of some slices.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Known<'a> {
     pub first_slice: usize,
-    /// For each row, slice after slice.
-    pub sets: &'a [WordSets],
+    pub slices: &'a [SliceWords],
 }
 
 impl<'a> Known<'a> {
-    /// The rows of slice `k`, if they are known.
-    pub fn slice(&self, k: usize, ny: usize) -> Option<&'a [WordSets]> {
-        let start = k.checked_sub(self.first_slice)? * ny;
-        self.sets.get(start..start + ny)
+    /// Slice `k`, if it is known.
+    pub fn slice(&self, k: usize) -> Option<&'a SliceWords> {
+        self.slices.get(k.checked_sub(self.first_slice)?)
     }
 }

@@ -167,8 +167,10 @@ pub fn odd_meshes_do_no_harm() {
         shapes.meshes.truncate(1);
         let mesh = &mut shapes.meshes[0].0;
         let first = mesh.positions.len() as u32;
-        mesh.positions.extend([[f32::NAN; 3], [f32::INFINITY, 0.0, 0.0]]);
-        mesh.triangles.extend([[0, 1, first], [first + 1, 1, 2]]);
+        mesh.positions
+            .to_mut()
+            .extend([[f32::NAN; 3], [f32::INFINITY, 0.0, 0.0]]);
+        mesh.triangles.to_mut().extend([[0, 1, first], [first + 1, 1, 2]]);
         let on_device = OnDevice::new(bench, &shapes.borrowed());
         let drawn = bench
             .renderer
@@ -177,7 +179,7 @@ pub fn odd_meshes_do_no_harm() {
             drawn.expect("a frame") == right,
             "as without triangles that are nowhere"
         );
-        shapes.meshes[0].0.triangles.push([0, 1, first + 2]);
+        shapes.meshes[0].0.triangles.to_mut().push([0, 1, first + 2]);
         let refused = DeviceMesh::new(bench.renderer.device(), &shapes.meshes[0].0);
         let message = refused.err().expect("an error").to_string();
         assert!(message.contains(&format!("vertex {}", first + 2)), "{message}");
@@ -219,7 +221,7 @@ pub fn wrong_meshes_are_out_of_bounds() {
             };
             faults[1] += wrong(&|shapes| {
                 let last = shapes.meshes.len() - 1;
-                shapes.meshes[last].0.triangles.pop();
+                shapes.meshes[last].0.triangles.to_mut().pop();
             });
             faults[2] += wrong(&|shapes| {
                 for (_, look) in &mut shapes.meshes {

@@ -163,7 +163,7 @@ pub fn a_mesh_too_far_back_is_out_of_bounds() {
                 let prepared = case.prepared(bench);
                 let away = spec.camera.eye_from_world.matrix3.transpose().z_axis * 2.0 * spec.planes().step_mm;
                 let mut moved = case.meshes.clone();
-                for position in moved.iter_mut().flat_map(|(mesh, _)| &mut mesh.positions) {
+                for position in moved.iter_mut().flat_map(|(mesh, _)| mesh.positions.iter_mut()) {
                     *position = (DVec3::from_array(position.map(f64::from)) + away).as_vec3().to_array();
                 }
                 let moved: Vec<_> = moved.iter().map(|(mesh, look)| (mesh, *look)).collect();

@@ -53,7 +53,7 @@ fn mesh(random: &mut Random) -> Mesh {
         }
     };
     match random.below(6) {
-        0 => mesh.normals.clear(),
+        0 => mesh.normals.truncate(0),
         1 => mesh.normals.iter_mut().for_each(|n| *n = [f32::NAN; 3]),
         _ => {}
     }
@@ -94,12 +94,12 @@ fn grid(cells: [usize; 2], at: impl Fn(f64, f64) -> (DVec3, DVec3)) -> Mesh {
     let mut mesh = Mesh::default();
     for (column, row) in (0..=columns).flat_map(|c| (0..=rows).map(move |r| (c, r))) {
         let (place, normal) = at(column as f64 / columns as f64, row as f64 / rows as f64);
-        mesh.positions.push(single(place));
-        mesh.normals.push(single(normal));
+        mesh.positions.to_mut().push(single(place));
+        mesh.normals.to_mut().push(single(normal));
         if column < columns && row < rows {
             let vertex = |c: usize, r: usize| (c * (rows + 1) + r) as u32;
             let [a, b] = [vertex(column, row), vertex(column + 1, row)];
-            mesh.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+            mesh.triangles.to_mut().extend([[a, b, b + 1], [a, b + 1, a + 1]]);
         }
     }
     mesh

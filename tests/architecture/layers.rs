@@ -8,7 +8,7 @@ use crate::source::{Finding, SourceFile, code_only};
 const FLOW: [&str; 7] = ["math", "volume", "voxelize", "model", "target", "projection", "surface"];
 
 /// Modules that import nothing of the crate, and that the flow and all above it may import.
-const LEAVES: [&str; 2] = ["interface", "output"];
+const LEAVES: [&str; 3] = ["array", "interface", "output"];
 
 /// Modules that nobody imports but lib, main and `cli`.
 const TOPS: [&str; 3] = ["conformance", "viewer", "cli"];
@@ -25,7 +25,7 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
     }
     let all = FLOW.len();
     Some(match module {
-        "interface" | "output" => vec![],
+        "array" | "interface" | "output" => vec![],
         "gpu" => vec!["interface"],
         "image" => vec!["math", "output"],
         "scene" => earlier(all),

@@ -102,8 +102,8 @@ fn obj_holds_every_finite_number() {
         [0.1 + 0.2, 1.0 / 3.0, 1e9],
     ];
     let mesh = Mesh {
-        positions: extremes.to_vec(),
-        triangles: vec![[0, 1, 2]],
+        positions: extremes.to_vec().into(),
+        triangles: vec![[0, 1, 2]].into(),
         parts: sample::parts(&[(0, 1)]),
         ..Mesh::default()
     };
@@ -158,7 +158,7 @@ fn numbers_that_are_none_are_kept_in_binary() {
 #[test]
 fn a_mesh_without_triangles_is_a_file() {
     let points = Mesh {
-        positions: vec![[1.0, 2.0, 3.0]],
+        positions: vec![[1.0, 2.0, 3.0]].into(),
         ..Mesh::default()
     };
     let suffixes = ["ply", "stl", "obj", "vtp"];

@@ -160,7 +160,7 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 #[test]
 fn without_triangles_there_is_a_scene_without_meshes() {
     let points = Mesh {
-        positions: vec![[1.0, 2.0, 3.0]],
+        positions: vec![[1.0, 2.0, 3.0]].into(),
         ..Mesh::default()
     };
     let folder = tempfile::tempdir().expect("a folder");

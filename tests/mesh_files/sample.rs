@@ -55,7 +55,7 @@ impl Torus {
             normals: each().map(|p| self.outwards(p).as_vec3().to_array()).collect(),
             values: each().map(|p| self.position(p).length().sin() as f32).collect(),
             colors: (0..each().len()).map(color).collect(),
-            triangles,
+            triangles: triangles.into(),
             parts: vec![part(1, Some(80.5), 0..first), part(7, None, first..all)],
         }
     }

@@ -147,9 +147,11 @@ fn what_is_no_triangle_is_left_out() {
     let whole = Measures::of(&broken);
     broken
         .positions
+        .to_mut()
         .extend([[f32::NAN, 0.0, 0.0], [0.0, f32::INFINITY, 0.0]]);
     broken
         .triangles
+        .to_mut()
         .extend([[0, 1, 8], [0, 9, 2], [0, 0, 1], [0, 1, 10], [u32::MAX; 3]]);
     let found = Measures::of(&broken);
     let counts = Measures {

@@ -54,14 +54,14 @@ pub fn cuboid(corner: [f32; 3], size: [f32; 3]) -> Mesh {
 /// A mesh of one part.
 pub fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh {
-        normals: vec![[0.0, 0.0, 1.0]; positions.len()],
+        normals: vec![[0.0, 0.0, 1.0]; positions.len()].into(),
         parts: vec![Part {
             label: 1,
             iso: Some(0.0),
             triangles: 0..triangles.len(),
         }],
-        positions,
-        triangles,
+        positions: positions.into(),
+        triangles: triangles.into(),
         ..Mesh::default()
     }
 }
@@ -69,9 +69,11 @@ pub fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
 /// `a` and then `b`, with the parts of both.
 pub fn joined(mut a: Mesh, b: Mesh) -> Mesh {
     let (vertices, triangles) = (a.positions.len() as u32, a.triangles.len());
-    a.positions.extend(b.positions);
-    a.normals.extend(b.normals);
-    a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + vertices)));
+    a.positions.to_mut().extend(&b.positions);
+    a.normals.to_mut().extend(&b.normals);
+    a.triangles
+        .to_mut()
+        .extend(b.triangles.iter().map(|t| t.map(|v| v + vertices)));
     a.parts.extend(b.parts.into_iter().map(|part| Part {
         triangles: part.triangles.start + triangles..part.triangles.end + triangles,
         ..part

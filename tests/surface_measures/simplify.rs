@@ -100,7 +100,7 @@ fn borders_and_vertices_between_parts_stay() {
         let area = |mesh: &Mesh, part: &vcsg::surface::Part| {
             let triangles = mesh.triangles[part.triangles.clone()].to_vec();
             Measures::of(&Mesh {
-                triangles,
+                triangles: triangles.into(),
                 parts: Vec::new(),
                 ..mesh.clone()
             })
@@ -127,8 +127,8 @@ fn what_is_simple_stays() {
 #[test]
 fn bad_input_does_no_harm() {
     let mut broken = cuboid([0.0; 3], [1.0; 3]);
-    broken.positions.push([f32::NAN; 3]);
-    broken.triangles.extend([[0, 1, 8], [0, 1, 99], [3, 3, 3]]);
+    broken.positions.to_mut().push([f32::NAN; 3]);
+    broken.triangles.to_mut().extend([[0, 1, 8], [0, 1, 99], [3, 3, 3]]);
     broken.parts.clear();
     let whole = simplify(&broken, SimplifyGoal::ErrorMm(f32::NAN)).mesh;
     assert_eq!((whole.triangles.len(), whole.parts.len()), (12, 0));

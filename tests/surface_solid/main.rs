@@ -85,7 +85,7 @@ fn a_dropped_or_turned_cap_is_seen() {
     assert_eq!(open_side(&mesh, |_| false), None);
     let cap = mesh.parts[1].triangles.clone();
     let mut dropped = mesh.clone();
-    dropped.triangles.drain(cap.clone());
+    dropped.triangles.to_mut().drain(cap.clone());
     assert!(open_side(&dropped, |_| false).is_some());
     let mut turned = mesh.clone();
     turned.triangles[cap].iter_mut().for_each(|t| t.swap(0, 1));

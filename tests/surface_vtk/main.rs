@@ -284,10 +284,13 @@ fn the_comparison_sees_what_is_wrong() {
     wrong(&|mesh| mesh.positions[7][1] = mesh.positions[7][1].next_up());
     wrong(&|mesh| mesh.triangles.truncate(mesh.triangles.len() - 1));
     wrong(&|mesh| mesh.triangles[9].swap(0, 1));
-    wrong(&|mesh| mesh.triangles.push(mesh.triangles[3]));
+    wrong(&|mesh| {
+        let again = mesh.triangles[3];
+        mesh.triangles.to_mut().push(again);
+    });
     wrong(&|mesh| mesh.normals[11][2] += 1e-4);
     wrong(&|mesh| {
-        mesh.positions.push([0.0; 3]);
-        mesh.normals.push([0.0; 3]);
+        mesh.positions.to_mut().push([0.0; 3]);
+        mesh.normals.to_mut().push([0.0; 3]);
     });
 }

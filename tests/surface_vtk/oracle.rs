@@ -69,9 +69,9 @@ impl Oracle {
         self.0.send(&request, &[bytes(grid.voxels())]);
         let [points, triangles] = self.read::<u64>(2).try_into().expect("two counts");
         Mesh {
-            positions: self.triples(points),
-            normals: self.triples(points),
-            triangles: self.triples(triangles),
+            positions: self.triples(points).into(),
+            normals: self.triples(points).into(),
+            triangles: self.triples(triangles).into(),
             ..Mesh::default()
         }
     }

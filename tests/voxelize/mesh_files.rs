@@ -44,8 +44,8 @@ fn surface() -> Mesh {
         values: positions.iter().map(|p| p[0]).collect(),
         colors: positions.iter().map(|p| [p[0] as u8, 7, 9, 255]).collect(),
         parts: vec![part(1, 0..20), part(4, 20..mesh.triangles.len())],
-        triangles: mesh.triangles,
-        positions,
+        triangles: mesh.triangles.into(),
+        positions: positions.into(),
     }
 }
 
@@ -61,7 +61,7 @@ fn written(mesh: &Mesh, suffix: &str) -> Vec<u8> {
 fn what_is_written_comes_back() {
     let mesh = surface();
     let bare = Mesh {
-        normals: vec![],
+        normals: vec![].into(),
         values: vec![],
         colors: vec![],
         ..mesh.clone()
@@ -333,8 +333,13 @@ fn refusals_of_glb_say_what_and_where() {
 /// Files of all formats, small ones.
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
     let mesh = Mesh {
-        positions: tetrahedron().positions.iter().map(|p| p.as_vec3().to_array()).collect(),
-        triangles: FACES.to_vec(),
+        positions: tetrahedron()
+            .positions
+            .iter()
+            .map(|p| p.as_vec3().to_array())
+            .collect::<Vec<_>>()
+            .into(),
+        triangles: FACES.to_vec().into(),
         parts: vec![Part {
             label: 0,
             iso: None,

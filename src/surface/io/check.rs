@@ -108,8 +108,8 @@ mod tests {
             triangles,
         };
         Mesh {
-            positions: vec![[0.0; 3]; 4],
-            triangles: vec![[0, 1, 2], [2, 1, 3]],
+            positions: vec![[0.0; 3]; 4].into(),
+            triangles: vec![[0, 1, 2], [2, 1, 3]].into(),
             parts: vec![part(0, 0..1), part(1, 1..2)],
             ..Mesh::default()
         }
@@ -124,7 +124,10 @@ mod tests {
 
     #[test]
     fn contradictions_are_named() {
-        assert_eq!(refusal(|m| m.normals = vec![[0.0; 3]; 3]), "3 normals for 4 vertices");
+        assert_eq!(
+            refusal(|m| m.normals = vec![[0.0; 3]; 3].into()),
+            "3 normals for 4 vertices"
+        );
         assert_eq!(refusal(|m| m.values = vec![0.0; 5]), "5 values for 4 vertices");
         assert_eq!(refusal(|m| m.colors = vec![[0; 4]]), "1 colors for 4 vertices");
         assert_eq!(refusal(|m| m.triangles[1][0] = 4), "triangle 1 has vertex 4 of 4");

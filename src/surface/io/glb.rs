@@ -90,7 +90,7 @@ fn unit_normals(mesh: &Mesh) -> Cow<'_, [[f32; 3]]> {
     if !mesh.normals.contains(&[0.0; 3]) {
         return Cow::Borrowed(&mesh.normals);
     }
-    let mut normals = mesh.normals.clone();
+    let mut normals = mesh.normals.to_vec();
     for (n, triangle) in mesh.triangles.iter().enumerate() {
         let missing = triangle
             .map(|v| v as usize)

@@ -177,7 +177,7 @@ fn border_normal(task: &Task<'_>, face: Group) -> DVec3 {
 fn add_triangles(mesh: &mut Mesh, task: &Task<'_>, pieces: &Pieces, names: &Names) -> Result<(), ExtractError> {
     countable(pieces.surface.len() + pieces.triangles.len(), "triangles")?;
     let surface = pieces.surface.par_iter().map(|t| t.map(|v| names.surface[v as usize]));
-    mesh.triangles = surface.collect();
+    mesh.triangles.to_mut().par_extend(surface);
     let labels = if task.border == Border::Closed { 0..=2 } else { 0..=1 };
     for label in labels {
         let start = if label == 0 { 0 } else { mesh.triangles.len() };
@@ -186,7 +186,7 @@ fn add_triangles(mesh: &mut Mesh, task: &Task<'_>, pieces: &Pieces, names: &Name
             .par_iter()
             .filter(|(group, _)| u32::from((*group).min(FIRST_FACE)) == label);
         let triangles: Vec<[u32; 3]> = of_part.map(|(group, t)| t.map(|v| names.number(v, *group))).collect();
-        mesh.triangles.extend(triangles);
+        mesh.triangles.to_mut().extend(triangles);
         mesh.parts.push(Part {
             label,
             iso: (label == 0).then_some(task.iso),
