@@ -33,8 +33,8 @@ const TWO_THREADS: f64 = 1.7;
 /// The most that the resident memory may grow by, in sizes of the mesh.
 const MEMORY: f64 = 1.5;
 
-/// Free memory that is touched before each run, ours or a peer's, in sizes of the mesh.
-const TOUCHED: usize = 4;
+/// Free memory that is touched before each run, ours or a peer's: bytes, and more in sizes of the mesh.
+const TOUCHED: [usize; 2] = [256 << 20, 4];
 
 /// The value whose surface is extracted, as a fraction of a type's range of values.
 const ISO: f64 = 0.5;
@@ -189,7 +189,7 @@ impl Case {
         let memory = grown as f64 / (12 * triangles + 24 * vertices) as f64;
         drop(mesh);
         let (mut ours, mut one, mut theirs) = (Vec::new(), Vec::new(), vec![Vec::new(); peers.len()]);
-        let touch = || memory::touch_free(TOUCHED * (12 * triangles + 24 * vertices));
+        let touch = || memory::touch_free(TOUCHED[0] + TOUCHED[1] * (12 * triangles + 24 * vertices));
         for _ in 0..repetitions {
             touch();
             ours.push(timed(|| all.install(extract)).1);

@@ -269,11 +269,12 @@ pub(super) fn connect(
         let mut numbering = Numbering::new(crossings, j);
         for w in 0..words_a_row {
             let [active, through] = cells.word(first + w);
-            if active == 0 && !cells.has_through {
+            if active == 0 {
                 continue;
             }
             let inside = Corners::inside(rows, [w, j, k]);
-            if !cells.has_through {
+            // Without a cell that has one there is no vertex on a voxel to step over.
+            if through == 0 {
                 for i in SetBits(active) {
                     let case = inside.of_cell(i);
                     numbering.step_over_cell(&STEPS[case]);
