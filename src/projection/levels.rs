@@ -3,7 +3,7 @@
 //! *Theory.* At the depth where a pixel covers 2^l voxels of the base, level l has as many voxels as there are pixels. Zone l
 //! reaches from there to where level l + 1 has. *Over* is associative, so zones are drawn one by one and put together.
 //! *Changes from the paper.* WK94 interpolates between two stored levels. A zone holds what lies between them, with the share of
-//! the next one at each voxel's own depth ([`Grade`](crate::voxelize::Grade)): at a zone's far face it is the next level alone,
+//! the next one at each voxel's own depth ([`Grade`]): at a zone's far face it is the next level alone,
 //! as at the near face of the zone behind, and nothing pops.
 //! *Practice.* All zones share one comb of slabs, 2^l of them in a slab of zone l, and zones meet between whole slabs of both: so
 //! each depth belongs to one slab, and each slab to one zone. So a face may lie half a slab from where the next level is reached, and

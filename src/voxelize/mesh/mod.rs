@@ -1,11 +1,11 @@
 //! Solids bounded by a closed mesh of triangles.
 //!
 //! *Theory.* The density is the winding number at the sample less what each face near it cuts off the filter's ball
-//! ([`facet`](super::facet)), with the sign of the side that the sample lies on. That holds for any closed surface: by the
+//! ([`facet`]), with the sign of the side that the sample lies on. That holds for any closed surface: by the
 //! divergence theorem the convolution is a sum of signed cones over the faces.
 //! *Changes from the paper.* WK94 tabulates convex features one by one. Here dihedral and corner angles, convex or not, come out
 //! of the sum.
-//! *Practice.* A mesh is [`check`]ed once, when it is made. The winding number counts the faces that a ray crosses, and decides
+//! *Practice.* A mesh is checked once, when it is made. The winding number counts the faces that a ray crosses, and decides
 //! each by the same plane distance that the cut's sign comes from, so that the two jump together.
 
 mod bvh;
