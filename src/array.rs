@@ -77,11 +77,10 @@ impl<T: Pod> Pages<T> {
         if bytes < MANY {
             return None;
         }
-        let map = MmapMut::map_anon(bytes.checked_add(2 * LARGE)?).ok()?;
+        let map = MmapMut::map_anon(bytes.checked_add(LARGE)?).ok()?;
         let start = map.as_ptr().align_offset(LARGE);
-        // What does not fill most of a page stays in ordinary ones, so that little more memory is taken than is asked for.
-        let pages = (bytes + LARGE / 3) / LARGE;
-        advise_large(&map, start..start + pages * LARGE);
+        // What does not fill a page stays in ordinary ones, so that no more memory is taken than is asked for.
+        advise_large(&map, start..start + bytes / LARGE * LARGE);
         Some(Self {
             map,
             used: start..start + bytes,

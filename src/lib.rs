@@ -35,7 +35,7 @@
 //! // empty one.
 //! use vcsg::target::{Layout, Subdivision, Target, VoxelTarget};
 //!
-//! let subdivision = Subdivision { min_block: 8, ..Subdivision::default() };
+//! let subdivision = Subdivision { min_block: 4, ..Subdivision::default() };
 //! let target = Target::build(&model, Some(0.5), &subdivision)?;
 //! assert_eq!(target.lattice.dims, [50; 3]);
 //!

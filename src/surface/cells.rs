@@ -269,12 +269,11 @@ pub(super) fn connect(
         let mut numbering = Numbering::new(crossings, j);
         for w in 0..words_a_row {
             let [active, through] = cells.word(first + w);
-            if active == 0 {
+            if active == 0 && !cells.has_through {
                 continue;
             }
             let inside = Corners::inside(rows, [w, j, k]);
-            // Without a cell that has one there is no vertex on a voxel to step over.
-            if through == 0 {
+            if !cells.has_through {
                 for i in SetBits(active) {
                     let case = inside.of_cell(i);
                     numbering.step_over_cell(&STEPS[case]);

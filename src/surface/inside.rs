@@ -181,7 +181,7 @@ impl InsideRows {
                     keep_equal(slices.row(j, k), iso, row);
                     keep_with_finite_neighbours(slices, [j, k], row);
                 }
-                sets.on = WordSets::some_set(row, self.dims[0]);
+                sets.on = WordSets::of(row, self.dims[0]).on;
             }
             self.on = on;
         }

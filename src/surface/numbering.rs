@@ -125,11 +125,8 @@ impl Numbering {
     #[inline(always)]
     pub fn next_places(&mut self, own: &OwnVertices, i: u32) -> [u32; PLACES] {
         let mut vertices = [0; PLACES];
-        for row in 0..4 {
-            let before = own.on[row] & ((1 << i) - 1);
-            let lower = self.on[row] + before.count_ones();
-            vertices[12 + 2 * row] = lower;
-            vertices[13 + 2 * row] = lower + (own.on[row] >> i & 1) as u32;
+        for corner in 0..8 {
+            vertices[12 + corner as usize] = self.on_corner(own, i, corner);
         }
         self.step_over_cell(&own.step(i));
         for (vertex, slot) in vertices.iter_mut().zip(SLOTS) {
@@ -147,6 +144,14 @@ impl Numbering {
             *next += (edges & before).count_ones();
         }
         there.next_places(own, i)
+    }
+
+    /// The vertex on a corner of cell `i`; a meaningless number where it is not one.
+    #[inline(always)]
+    fn on_corner(&self, own: &OwnVertices, i: u32, corner: u32) -> u32 {
+        let row = (corner / 2) as usize;
+        let below = ((1 << i) - 1) | u64::from(corner % 2) << i;
+        self.on[row] + (own.on[row] & below).count_ones()
     }
 
     /// Steps over the vertices on voxels of a word whose cells have been stepped over.

@@ -13,9 +13,9 @@ use crate::projection::TransferFunction;
 /// use vcsg::surface::{Mesh, Part, gray_window, paint};
 ///
 /// let mut mesh = Mesh {
-///     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+///     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].into(),
 ///     values: vec![0.0, 50.0, 900.0],
-///     triangles: vec![[0, 1, 2]],
+///     triangles: vec![[0, 1, 2]].into(),
 ///     parts: vec![Part { label: 1, iso: None, triangles: 0..1 }],
 ///     ..Mesh::default()
 /// };

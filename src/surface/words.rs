@@ -23,38 +23,24 @@ impl WordSets {
     };
 
     /// How the words of a row of `width` voxels are grouped: by `2^shift`.
-    #[inline(always)]
     pub fn shift(width: usize) -> u32 {
         width.div_ceil(64).div_ceil(32).next_power_of_two().trailing_zeros()
     }
 
     /// Those of a row of `width` voxels, of which `row` are inside; the surface may go through any of these.
     pub fn of(row: &[u64], width: usize) -> Self {
-        let some_inside = Self::some_set(row, width);
-        let some_outside = groups(row, width, |w, word| word != existing(width, w));
+        let shift = Self::shift(width);
+        let (mut some_outside, mut some_inside) = (0, 0);
+        for (w, word) in row.iter().enumerate() {
+            some_outside |= u32::from(*word != existing(width, w)) << (w >> shift);
+            some_inside |= u32::from(*word != 0) << (w >> shift);
+        }
         Self {
             full: some_inside & !some_outside,
             mixed: some_inside & some_outside,
             on: some_inside,
         }
     }
-
-    /// The words of a row of `width` voxels that have a bit set.
-    #[inline(always)]
-    pub fn some_set(row: &[u64], width: usize) -> u32 {
-        groups(row, width, |_, word| word != 0)
-    }
-}
-
-/// The groups with a word that `is` so, given its place too.
-#[inline(always)]
-fn groups(row: &[u64], width: usize, is: impl Fn(usize, u64) -> bool) -> u32 {
-    let shift = WordSets::shift(width);
-    let mut groups = 0;
-    for (w, word) in row.iter().enumerate() {
-        groups |= u32::from(is(w, *word)) << (w >> shift);
-    }
-    groups
 }
 
 /// The bits of the voxels that word `w` of a row of `width` has.
