@@ -6,11 +6,9 @@
 //! plane, by distance and both curvatures, and interpolated linearly in all three. It is the exact integral for a surface whose
 //! sections are circles: spheres, cylinders, and tori on their equators; others differ from it in the third order of size.
 //! *Practice.* Lengths are in units of the filter's radius. Curvatures up to [`MAX_CURVATURE`] are covered, that is radii of at
-//! least twice the filter's. The table has 49 · 9 · 9 entries and is filled once, on all threads, when first asked.
+//! least twice the filter's. The table has 49 · 9 · 9 entries and is filled once, by the thread that first asks.
 
 use std::sync::LazyLock;
-
-use rayon::prelude::*;
 
 use super::filter;
 use crate::math::quadrature::GaussLegendre;
@@ -26,8 +24,8 @@ const CURVATURES: usize = 9;
 
 static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let at = |n: usize, count: usize, end: f64| end * (2.0 * n as f64 / (count - 1) as f64 - 1.0);
+    // By one thread: others that wait for the table must not be handed work that asks for it.
     (0..CURVATURES * CURVATURES * DISTANCES)
-        .into_par_iter()
         .map(|n| {
             let distance = at(n % DISTANCES, DISTANCES, 1.0);
             let first = at(n / DISTANCES % CURVATURES, CURVATURES, MAX_CURVATURE);
