@@ -19,7 +19,10 @@ fn main() {
         ("cylinder", Solid::revolved(Profile::cylinder(32., 64.))),
         ("torus", Solid::revolved(Profile::torus(32., 10.))),
     ];
+    let reps: usize = std::env::args().nth(2).map_or(60, |a| a.parse().unwrap());
+    let only = std::env::args().nth(1);
     for (n, s) in cases {
+        if only.as_deref().is_some_and(|o| o != n) { continue; }
         for hollow in [false, true] {
             let mut p = Primitive::soft(s.clone(), 1.0);
             if hollow {
@@ -31,7 +34,7 @@ fn main() {
             let mut c = (0, 0);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
             pool.install(|| {
-                for _ in 0..60 {
+                for _ in 0..reps {
                     let placed = p.placed(&DAffine3::IDENTITY, 1.0);
                     let v = Voxelizer::new(&placed, dims, &wl);
                     let t = Instant::now();

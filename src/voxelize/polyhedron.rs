@@ -263,8 +263,3 @@ fn meet(planes: [&Plane; 3]) -> Option<DVec3> {
     let offsets = DVec3::from_array(planes.map(|plane| -plane.offset));
     (normals.determinant().abs() > 1e-9).then(|| normals.inverse() * offsets)
 }
-
-/// The density of a half-space at `p` of a filter whose support is a ball.
-pub fn half_space_density(plane: &Plane, p: DVec3, support: &Support) -> f64 {
-    filter::half_space(plane.distance(p) / support.reach)
-}

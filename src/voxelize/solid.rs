@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::filter::Support;
-use super::polyhedron::{self, Polyhedron};
+use super::polyhedron::Polyhedron;
 use super::profile::Profile;
 use super::relief::{Relief, RoundedBox};
 use super::thread::Thread;
@@ -37,6 +37,9 @@ pub enum Solid {
     /// A solid between two heights.
     Relief(Relief),
 }
+
+/// Points whose distances and densities are found together.
+pub const TOGETHER: usize = 16;
 
 /// The least and the greatest value of [`Solid::distance`] over a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +96,7 @@ impl Solid {
         }
     }
 
-    /// [`Self::distance`] for many points at once.
+    /// [`Self::distance`] for up to [`TOGETHER`] points at once.
     pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
         match self {
             Self::Sphere { center, radius } => {
@@ -103,9 +106,11 @@ impl Solid {
             }
             Self::Polyhedron(polyhedron) => polyhedron.distances(points, distances),
             Self::Revolved(profile) => {
-                for (distance, p) in distances.iter_mut().zip(points) {
-                    *distance = profile.distance(revolved::beside_axis(*p));
+                let mut flat = [DVec2::ZERO; TOGETHER];
+                for (flat, p) in flat.iter_mut().zip(points) {
+                    *flat = revolved::beside_axis(*p);
                 }
+                profile.distances(&flat[..points.len()], distances);
             }
             _ => {
                 for (distance, p) in distances.iter_mut().zip(points) {
@@ -152,23 +157,37 @@ impl Solid {
     /// # Panics
     /// If the solid has plane faces and the support is not a ball: [`Self::moved`] it to a frame where it is one.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
-        let distance = self.distance(p) / support.reach;
-        if distance.abs() >= 1.0 {
-            return f64::from(u8::from(distance < 0.0));
-        }
-        let most = filter::most_at(distance);
-        let least = 1.0 - filter::most_at(-distance);
-        self.soft_density(p, support).clamp(least, most)
+        let mut density = [0.0];
+        self.densities(&[p], support, &mut density);
+        density[0]
     }
 
-    fn soft_density(&self, p: DVec3, support: &Support) -> f64 {
+    /// [`Self::density`] at up to [`TOGETHER`] points at once.
+    pub fn densities(&self, points: &[DVec3], support: &Support, densities: &mut [f64]) {
+        self.distances(points, densities);
+        for (density, p) in densities.iter_mut().zip(points) {
+            let distance = *density / support.reach;
+            *density = if distance.abs() >= 1.0 {
+                f64::from(u8::from(distance < 0.0))
+            } else {
+                let most = filter::most_at(distance);
+                let least = 1.0 - filter::most_at(-distance);
+                self.soft_density(*p, distance, support).clamp(least, most)
+            };
+        }
+    }
+
+    /// The density at `p`, `distance` filter radii from the surface.
+    #[inline]
+    fn soft_density(&self, p: DVec3, distance: f64, support: &Support) -> f64 {
         match self {
-            Self::Sphere { center, radius } if support.is_ball => {
-                ball::density(p.distance(*center) / support.reach, radius / support.reach)
+            Self::Sphere { radius, .. } if support.is_ball => {
+                let radius = radius / support.reach;
+                ball::density(distance + radius, radius)
             }
             Self::Sphere { center, radius } => ball_integrated(p - *center, *radius, support),
             Self::Box(bounds) => Polyhedron::cuboid(bounds).density(p, support),
-            Self::HalfSpace(plane) => polyhedron::half_space_density(plane, p, support),
+            Self::HalfSpace(_) => filter::half_space(distance),
             Self::Everything => 1.0,
             Self::Polyhedron(polyhedron) => polyhedron.density(p, support),
             Self::Revolved(profile) => revolved::density(profile, p, support),
