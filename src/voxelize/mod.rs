@@ -7,6 +7,7 @@
 //! *Practice.* [`filter`] is the weight and its integrals; [`facet`] plane faces, [`curved`] curved ones, [`lines`] integration
 //! over lines; each kind of solid has a file; [`Solid`] is any of them and [`Primitive`] what a model holds.
 
+mod apex;
 pub mod ball;
 pub mod beams;
 pub mod curved;

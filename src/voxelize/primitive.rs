@@ -116,7 +116,7 @@ impl Placed {
     }
 
     /// At most the distances of up to [`TOGETHER`] points of its frame to the surface of the solid or shell; above 0 outside.
-    pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
+    pub(super) fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
         self.solid.distances(points, distances);
         if let Some(hollow) = &self.hollow {
             let mut inner = [0.0; TOGETHER];
@@ -146,7 +146,7 @@ impl Placed {
     }
 
     /// [`Self::coverage`] at up to [`TOGETHER`] points of its frame at once.
-    pub fn coverages(&self, points: &[DVec3], coverages: &mut [f32]) {
+    pub(super) fn coverages(&self, points: &[DVec3], coverages: &mut [f32]) {
         let mut densities = [0.0; TOGETHER];
         self.densities(&self.solid, points, &mut densities);
         if let Some(hollow) = &self.hollow {

@@ -278,6 +278,13 @@ impl Profile {
         &self.pieces
     }
 
+    /// The one side of a convex polygon whose line a ball of radius `reach` about `p` meets; it meets no corner off the axis.
+    pub fn only_side(&self, p: DVec2, reach: f64) -> Option<&Piece> {
+        let mut met = self.pieces.iter().filter(|piece| piece.ahead(p) > -reach);
+        let first = met.next().filter(|_| self.is_convex_polygon)?;
+        met.next().is_none().then_some(first)
+    }
+
     /// Places where pieces meet or end in a point, each as often as pieces end there.
     pub fn corners(&self) -> &[DVec2] {
         &self.corners

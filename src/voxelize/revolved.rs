@@ -13,6 +13,7 @@ use std::sync::LazyLock;
 use glam::{DVec2, DVec3};
 
 use super::curved::{self, MAX_CURVATURE};
+use super::apex;
 use super::facet;
 use super::filter::{self, Support};
 use super::lines::{Lines, stretches};
@@ -21,17 +22,16 @@ use crate::math::quadrature::GaussLegendre;
 
 static RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static ANGLES: LazyLock<GaussLegendre<12>> = LazyLock::new(GaussLegendre::new);
-static HALF_ANGLES: LazyLock<GaussLegendre<6>> = LazyLock::new(GaussLegendre::new);
+static BALL_RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
+static BALL_ANGLES: LazyLock<GaussLegendre<4>> = LazyLock::new(GaussLegendre::new);
 
 /// The density at `p` of `profile` turned about the z axis.
 pub fn density(profile: &Profile, p: DVec3, support: &Support) -> f64 {
+    if !support.is_ball {
+        return integrated(profile, p, support);
+    }
     let flat = beside_axis(p);
-    let known = if support.is_ball {
-        near_feature(profile, flat, support.reach)
-    } else {
-        None
-    };
-    known.unwrap_or_else(|| integrated(profile, p, support))
+    near_feature(profile, flat, support.reach).unwrap_or_else(|| integrated_in_ball(profile, flat, support.reach))
 }
 
 /// The distance of `p` from the axis, and its place along it.
@@ -41,6 +41,10 @@ pub fn beside_axis(p: DVec3) -> DVec2 {
 
 /// The density where the filter's ball sees nothing, one piece that bends little, or one rim; `None` elsewhere.
 fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
+    if let Some(only) = profile.only_side(p, radius) {
+        let nearest = only.nearest(p);
+        return side(&nearest, p, radius).or_else(|| tip(&nearest, p, radius));
+    }
     let mut near = profile
         .pieces()
         .iter()
@@ -69,6 +73,14 @@ fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
 fn side(nearest: &Nearest, p: DVec2, radius: f64) -> Option<f64> {
     let distance = (p - nearest.point).dot(nearest.normal) / radius;
     Some(curved::density(distance, bend(nearest, p, radius)?))
+}
+
+/// The density near the tip of the cone that a straight piece is turned to, or near its axis.
+fn tip(nearest: &Nearest, p: DVec2, radius: f64) -> Option<f64> {
+    let normal = nearest.normal;
+    let distance = (p - nearest.point).dot(normal);
+    let along = (p.x - distance * normal.x) / normal.y.abs();
+    apex::density(distance / radius, along / radius, normal.y.abs() / normal.x)
 }
 
 /// A rim bends at most this much for its density to be that of a wedge, in units of the filter's radius. At a sixth random
@@ -110,13 +122,44 @@ fn bend(at: &Nearest, p: DVec2, radius: f64) -> Option<[f64; 2]> {
     (small && (flat_round_axis || p.x >= radius)).then_some(curvatures)
 }
 
+/// The density by integration over lines along the axis, in a ball: what a ring sees is alike on both sides of the plane
+/// through the sample and the axis.
+pub(super) fn integrated_in_ball(profile: &Profile, p: DVec2, radius: f64) -> f64 {
+    let distance = p.x / radius;
+    let mut sum = 0.0;
+    for (from, to) in stretches((p.x - radius).max(0.0), p.x + radius, &knots(profile, p.y, radius)) {
+        for (rho, w_rho) in BALL_RADII.over(from, to) {
+            let Some((lo, hi)) = profile.interval(rho) else {
+                continue;
+            };
+            let [lo, hi] = [lo, hi].map(|z| (z - p.y) / radius);
+            if lo >= 1.0 || hi <= -1.0 {
+                continue;
+            }
+            let rho = rho / radius;
+            let chord = |angle: f64| {
+                let squared = distance * distance + rho * rho - 2.0 * distance * rho * angle.cos();
+                filter::chord(squared.max(0.0).sqrt(), lo, hi)
+            };
+            let arc = 2.0 * BALL_ANGLES.integrate(0.0, half_angle(distance, rho, 1.0), chord);
+            sum += w_rho / radius * rho * arc;
+        }
+    }
+    sum.clamp(0.0, 1.0)
+}
+
+/// Distances from the axis between which the part of `profile` within `reach` of the height `z` is smooth, rising.
+fn knots(profile: &Profile, z: f64, reach: f64) -> Vec<f64> {
+    let crossings = [z - reach, z + reach].into_iter().flat_map(|z| profile.crossings(z));
+    let mut knots: Vec<f64> = profile.knots().iter().copied().chain(crossings).collect();
+    knots.sort_by(f64::total_cmp);
+    knots
+}
+
 /// The density by integration over lines along the axis.
 pub fn integrated(profile: &Profile, p: DVec3, support: &Support) -> f64 {
     let lines = Lines::new(p, support);
-    let heights = [-support.reach, support.reach].map(|z| p.z + z);
-    let crossings = heights.into_iter().flat_map(|z| profile.crossings(z));
-    let mut knots: Vec<f64> = profile.knots().iter().copied().chain(crossings).collect();
-    knots.sort_by(f64::total_cmp);
+    let knots = knots(profile, p.z, support.reach);
     let sum = over_rings(&lines, &knots, &[], |rho, at| {
         profile
             .interval(rho)
@@ -126,8 +169,7 @@ pub fn integrated(profile: &Profile, p: DVec3, support: &Support) -> f64 {
 }
 
 /// The integral of `f`, given a distance from the axis and a point there, over the lines of `lines`, in rings about the axis:
-/// smooth between the distances `knots` and the directions `cuts` (radians), each rising. Without cuts `f` is the same in all
-/// directions.
+/// smooth between the distances `knots` and the directions `cuts` (radians), each rising.
 pub(super) fn over_rings(lines: &Lines, knots: &[f64], cuts: &[f64], f: impl Fn(f64, DVec2) -> f64) -> f64 {
     let (distance, reach) = (lines.middle().length(), lines.reach);
     let towards = lines.middle().to_angle();
@@ -136,13 +178,9 @@ pub(super) fn over_rings(lines: &Lines, knots: &[f64], cuts: &[f64], f: impl Fn(
         for (rho, w_rho) in RADII.over(from, to) {
             let half = half_angle(distance, rho, reach);
             let at = |angle: f64| f(rho, DVec2::from_angle(angle) * rho);
-            let arc: f64 = if lines.is_ball && cuts.is_empty() {
-                2.0 * HALF_ANGLES.integrate(towards, towards + half, at)
-            } else {
-                stretches(towards - half, towards + half, cuts)
-                    .map(|(from, to)| ANGLES.integrate(from, to, at))
-                    .sum()
-            };
+            let arc: f64 = stretches(towards - half, towards + half, cuts)
+                .map(|(from, to)| ANGLES.integrate(from, to, at))
+                .sum();
             sum += w_rho * rho * arc;
         }
     }

@@ -39,7 +39,7 @@ pub enum Solid {
 }
 
 /// Points whose distances and densities are found together.
-pub const TOGETHER: usize = 16;
+pub(super) const TOGETHER: usize = 16;
 
 /// The least and the greatest value of [`Solid::distance`] over a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +97,7 @@ impl Solid {
     }
 
     /// [`Self::distance`] for up to [`TOGETHER`] points at once.
-    pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
+    pub(super) fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
         match self {
             Self::Sphere { center, radius } => {
                 for (distance, p) in distances.iter_mut().zip(points) {
@@ -163,7 +163,7 @@ impl Solid {
     }
 
     /// [`Self::density`] at up to [`TOGETHER`] points at once.
-    pub fn densities(&self, points: &[DVec3], support: &Support, densities: &mut [f64]) {
+    pub(super) fn densities(&self, points: &[DVec3], support: &Support, densities: &mut [f64]) {
         self.distances(points, densities);
         for (density, p) in densities.iter_mut().zip(points) {
             let distance = *density / support.reach;
@@ -186,10 +186,10 @@ impl Solid {
                 ball::density(distance + radius, radius)
             }
             Self::Sphere { center, radius } => ball_integrated(p - *center, *radius, support),
-            Self::Box(bounds) => Polyhedron::cuboid(bounds).density(p, support),
+            Self::Box(bounds) => Polyhedron::cuboid(bounds).density(p, distance, support),
             Self::HalfSpace(_) => filter::half_space(distance),
             Self::Everything => 1.0,
-            Self::Polyhedron(polyhedron) => polyhedron.density(p, support),
+            Self::Polyhedron(polyhedron) => polyhedron.density(p, distance, support),
             Self::Revolved(profile) => revolved::density(profile, p, support),
             Self::Thread(thread) => thread.density(p, support),
             Self::Relief(relief) => relief.density(p, support),
