@@ -22,7 +22,9 @@ fn main() {
     let reps: usize = std::env::args().nth(2).map_or(60, |a| a.parse().unwrap());
     let only = std::env::args().nth(1);
     for (n, s) in cases {
-        if only.as_deref().is_some_and(|o| o != n) { continue; }
+        if only.as_deref().is_some_and(|o| o != n) {
+            continue;
+        }
         for hollow in [false, true] {
             let mut p = Primitive::soft(s.clone(), 1.0);
             if hollow {

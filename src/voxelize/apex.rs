@@ -4,7 +4,7 @@
 //! three numbers: the distance to the side, the place along it, and the angle at the tip (WK94's table of a vertex).
 //! *Changes from the paper.* One table serves all cones, those of frustums whose tip is cut off out of sight too. It is
 //! interpolated by cubics, which need fewer entries than lines do.
-//! *Practice.* Lengths are in units of the filter's radius. Half angles from 15° to 75° are covered. The table has 13 · 33 · 13
+//! *Practice.* Lengths are in units of the filter's radius. Half angles from 20° to 70° are covered. The table has 13 · 33 · 11
 //! entries and is filled once, when first asked, on one thread: see [`curved`](super::curved).
 
 use std::f64::consts::PI;
@@ -16,10 +16,10 @@ use super::profile::Profile;
 use super::revolved;
 
 /// Entries along the distance, from -1 to 1; along the side; and along the half angle.
-const ENTRIES: [usize; 3] = [13, 33, 13];
+const ENTRIES: [usize; 3] = [13, 33, 11];
 
 /// The least and the greatest half angle.
-const HALF_ANGLES: [f64; 2] = [PI / 12.0, 5.0 * PI / 12.0];
+const HALF_ANGLES: [f64; 2] = [PI / 9.0, 7.0 * PI / 18.0];
 
 /// Where on the side the table begins: there the ball is beyond the tip.
 const FIRST: f64 = -1.0;

@@ -278,6 +278,11 @@ impl Profile {
         &self.pieces
     }
 
+    /// Whether the solid is what lies behind all sides, which are straight.
+    pub fn is_convex_polygon(&self) -> bool {
+        self.is_convex_polygon
+    }
+
     /// The one side of a convex polygon whose line a ball of radius `reach` about `p` meets; it meets no corner off the axis.
     pub fn only_side(&self, p: DVec2, reach: f64) -> Option<&Piece> {
         let mut met = self.pieces.iter().filter(|piece| piece.ahead(p) > -reach);

@@ -12,8 +12,8 @@ use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3};
 
-use super::curved::{self, MAX_CURVATURE};
 use super::apex;
+use super::curved::{self, MAX_CURVATURE};
 use super::facet;
 use super::filter::{self, Support};
 use super::lines::{Lines, stretches};
@@ -56,14 +56,12 @@ fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
         (None, ..) => Some(f64::from(u8::from(profile.distance(p) <= 0.0))),
         (Some(only), None, _) if corners.next().is_none() => side(&only.nearest(p), p, radius),
         (Some(first), Some(second), None) => {
-            let corner = *corners.next()?;
+            let Some(&corner) = corners.next() else {
+                return between([first, second], profile, p, radius);
+            };
             // A corner is there once for each of its pieces.
             let alone = corners.all(|other| *other == corner);
-            if alone {
-                rim([first, second], corner, p, radius)
-            } else {
-                None
-            }
+            alone.then(|| rim([first, second], corner, p, radius))?
         }
         _ => None,
     }
@@ -73,6 +71,13 @@ fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
 fn side(nearest: &Nearest, p: DVec2, radius: f64) -> Option<f64> {
     let distance = (p - nearest.point).dot(nearest.normal) / radius;
     Some(curved::density(distance, bend(nearest, p, radius)?))
+}
+
+/// The density between two sides of a convex outline that do not meet in the ball: each takes away what lies beyond it.
+fn between(pieces: [&Piece; 2], profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
+    let [first, second] = pieces.map(|piece| side(&piece.nearest(p), p, radius));
+    let density = first? + second? - 1.0;
+    profile.is_convex_polygon().then_some(density.max(0.0))
 }
 
 /// The density near the tip of the cone that a straight piece is turned to, or near its axis.

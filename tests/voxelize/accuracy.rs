@@ -129,7 +129,12 @@ fn cast(volume: &Volume, seed: u64) -> Option<Found> {
     let [at, found_at] = [truth, found].map(|t| from + along * t);
     Some(Found {
         error: (found - truth).abs(),
-        turned: volume.normal(found_at).dot(normal(at)).clamp(-1.0, 1.0).acos().to_degrees(),
+        turned: volume
+            .normal(found_at)
+            .dot(normal(at))
+            .clamp(-1.0, 1.0)
+            .acos()
+            .to_degrees(),
         facing: -normal(at).dot(along),
         to_features: to_features(at),
     })
@@ -139,7 +144,10 @@ fn cast(volume: &Volume, seed: u64) -> Option<Found> {
 /// of the surface's place, and WK94 too sees it grow without end towards the silhouette.
 fn worst(primitive: &Primitive) -> [[f64; 2]; 2] {
     let volume = Volume::of(primitive);
-    let found: Vec<Found> = (0..20_000).into_par_iter().filter_map(|seed| cast(&volume, seed)).collect();
+    let found: Vec<Found> = (0..20_000)
+        .into_par_iter()
+        .filter_map(|seed| cast(&volume, seed))
+        .collect();
     let facing = || found.iter().filter(|f| f.facing > 0.5);
     let most = |away: f64| {
         let far = || facing().filter(|f| f.to_features > away);
@@ -174,9 +182,7 @@ fn energy_above_nyquist(signal: &[f64], cosines: &[f64]) -> f64 {
         signal.iter().enumerate().map(|(n, s)| s * turned(n)).sum()
     };
     let above = SIDE / 2 + 1..LINE / 2;
-    above
-        .map(|k| part(k, 0).powi(2) + part(k, LINE * 3 / 4).powi(2))
-        .sum()
+    above.map(|k| part(k, 0).powi(2) + part(k, LINE * 3 / 4).powi(2)).sum()
 }
 
 /// In units of the radius the transform of the hypercone is 12/k⁴ · (2 − 2 cos k − k sin k). At the Nyquist frequency of a
@@ -192,7 +198,11 @@ fn little_is_left_above_nyquist() {
         let line = |seed: u64| {
             let mut random = Random(seed);
             let pose = random.pose();
-            let start = DVec3::new(random.within(-40.0, 40.0), random.within(-40.0, 40.0), -0.5 * SIDE as f64);
+            let start = DVec3::new(
+                random.within(-40.0, 40.0),
+                random.within(-40.0, 40.0),
+                -0.5 * SIDE as f64,
+            );
             let at = |n: usize| pose.transform_vector3(start + DVec3::Z * (n as f64 / RATE as f64));
             let signal: Vec<f64> = (0..LINE).map(|n| f64::from(placed.coverage(at(n)))).collect();
             energy_above_nyquist(&signal, &cosines)
