@@ -6,11 +6,10 @@
 //! plane, by distance and both curvatures, and interpolated linearly in all three. It is the exact integral for a surface whose
 //! sections are circles: spheres, cylinders, and tori on their equators; others differ from it in the third order of size.
 //! *Practice.* Lengths are in units of the filter's radius. Curvatures up to [`MAX_CURVATURE`] are covered, that is radii of at
-//! least twice the filter's. The table has 49 · 9 · 9 entries and is filled once, on all threads, when first asked.
+//! least twice the filter's. The table has 49 · 9 · 9 entries and is filled once, when first asked. One thread does it:
+//! one that waits for others may take up work that asks for the table.
 
 use std::sync::LazyLock;
-
-use rayon::prelude::*;
 
 use super::filter;
 use crate::math::quadrature::GaussLegendre;
@@ -27,7 +26,6 @@ const CURVATURES: usize = 9;
 static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let at = |n: usize, count: usize, end: f64| end * (2.0 * n as f64 / (count - 1) as f64 - 1.0);
     (0..CURVATURES * CURVATURES * DISTANCES)
-        .into_par_iter()
         .map(|n| {
             let distance = at(n % DISTANCES, DISTANCES, 1.0);
             let first = at(n / DISTANCES % CURVATURES, CURVATURES, MAX_CURVATURE);
@@ -54,7 +52,11 @@ pub fn density(distance: f64, curvatures: [f64; 2]) -> f64 {
         let row = DISTANCES * (i + CURVATURES * j) + d;
         f64::from(table[row]) * (1.0 - ft) + f64::from(table[row + 1]) * ft
     };
-    let across = |j: usize| along(i, j) * (1.0 - fi) + along(i + 1, j) * fi;
+    // The sides of cylinders and cones are straight one way, which is a curvature of the table.
+    let across = |j: usize| match fi {
+        0.0 => along(i, j),
+        _ => along(i, j) * (1.0 - fi) + along(i + 1, j) * fi,
+    };
     let bent = across(j) * (1.0 - fj) + across(j + 1) * fj;
     (filter::half_space(distance) + bent).clamp(0.0, 1.0)
 }
