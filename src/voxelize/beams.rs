@@ -14,6 +14,7 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 use super::primitive::Placed;
+use super::solid::TOGETHER;
 use crate::math::{Aabb, affine};
 
 /// A stretch of a beam that the primitive touches: soft from `front1` to `front2` and from `back2` to `back1`, full between; in
@@ -30,8 +31,8 @@ pub struct Layer {
     pub back1: u32,
 }
 
-/// Voxels of a beam whose distances are found together.
-const TOGETHER: usize = 16;
+/// Where the surface is more voxels away than this, voxels are looked at one by one.
+const FEW: usize = 4;
 
 /// A primitive on a lattice.
 pub struct Voxelizer<'a> {
@@ -121,33 +122,29 @@ impl<'a> Voxelizer<'a> {
         }
     }
 
-    /// Adds the layers of one beam, stepping over voxels that the distance to the surface shows to be like the last.
+    /// Adds the layers of one beam, stepping over voxels that the distance to the surface shows to be like the last. Near a
+    /// surface, where there are few, the distances of several voxels are found together.
     fn beam(&self, columns: Range<usize>, j: usize, k: usize, layers: &mut Vec<Layer>) {
         let row = affine::row(&self.local_from_lattice, j as f64, k as f64);
         let reach = self.placed.reach();
         let mut open: Option<Layer> = None;
         let (mut points, mut distances) = ([DVec3::ZERO; TOGETHER], [0.0; TOGETHER]);
-        let mut i = columns.start;
+        let (mut i, mut count) = (columns.start, 1);
         while i < columns.end {
-            let count = TOGETHER.min(columns.end - i);
+            count = count.min(columns.end - i);
             for (n, point) in points[..count].iter_mut().enumerate() {
                 *point = affine::step(&self.local_from_lattice, row, (i + n) as f64);
             }
             self.placed.distances(&points[..count], &mut distances[..count]);
-            for (n, &distance) in distances[..count].iter().enumerate() {
-                // The last may stand for voxels after it that are like it.
-                let alike = if n + 1 == count {
-                    ((distance.abs() - reach).abs() / self.step) as usize
-                } else {
-                    1
-                };
-                let next = (i + n + alike.max(1)).min(columns.end);
-                add(&mut open, i + n..next, distance, reach, layers);
-                if n + 1 == count {
-                    i = next;
-                    break;
-                }
+            for (n, &distance) in distances[..count - 1].iter().enumerate() {
+                add(&mut open, i + n..i + n + 1, distance, reach, layers);
             }
+            let distance = distances[count - 1];
+            let alike = ((distance.abs() - reach).abs() / self.step) as usize;
+            let last = i + count - 1;
+            i = last.saturating_add(alike.max(1)).min(columns.end);
+            add(&mut open, last..i, distance, reach, layers);
+            count = if alike > FEW { 1 } else { TOGETHER };
         }
         layers.extend(open);
     }
@@ -180,10 +177,13 @@ impl<'a> Voxelizer<'a> {
     fn soften(&self, run: &Run, densities: &mut [f32]) {
         let [j, k] = run.beam.map(f64::from);
         let row = affine::row(&self.local_from_lattice, j, k);
-        for (density, i) in densities.iter_mut().zip(run.voxels.clone()) {
-            *density = self
-                .placed
-                .coverage(affine::step(&self.local_from_lattice, row, f64::from(i)));
+        let mut points = [DVec3::ZERO; TOGETHER];
+        for (densities, start) in densities.chunks_mut(TOGETHER).zip(run.voxels.clone().step_by(TOGETHER)) {
+            let points = &mut points[..densities.len()];
+            for (point, i) in points.iter_mut().zip(start..) {
+                *point = affine::step(&self.local_from_lattice, row, f64::from(i));
+            }
+            self.placed.coverages(points, densities);
         }
     }
 

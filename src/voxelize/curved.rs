@@ -6,7 +6,8 @@
 //! plane, by distance and both curvatures, and interpolated linearly in all three. It is the exact integral for a surface whose
 //! sections are circles: spheres, cylinders, and tori on their equators; others differ from it in the third order of size.
 //! *Practice.* Lengths are in units of the filter's radius. Curvatures up to [`MAX_CURVATURE`] are covered, that is radii of at
-//! least twice the filter's. The table has 49 · 9 · 9 entries and is filled once, by the thread that first asks.
+//! least twice the filter's. The table has 49 · 9 · 9 entries and is filled once, when first asked. One thread does it:
+//! one that waits for others may take up work that asks for the table.
 
 use std::sync::LazyLock;
 
@@ -52,7 +53,11 @@ pub fn density(distance: f64, curvatures: [f64; 2]) -> f64 {
         let row = DISTANCES * (i + CURVATURES * j) + d;
         f64::from(table[row]) * (1.0 - ft) + f64::from(table[row + 1]) * ft
     };
-    let across = |j: usize| along(i, j) * (1.0 - fi) + along(i + 1, j) * fi;
+    // The sides of cylinders and cones are straight one way, which is a curvature of the table.
+    let across = |j: usize| match fi {
+        0.0 => along(i, j),
+        _ => along(i, j) * (1.0 - fi) + along(i + 1, j) * fi,
+    };
     let bent = across(j) * (1.0 - fj) + across(j + 1) * fj;
     (filter::half_space(distance) + bent).clamp(0.0, 1.0)
 }

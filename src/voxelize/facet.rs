@@ -25,7 +25,8 @@ fn beyond_side(a: f64, b: f64, c: f64) -> f64 {
     let c = c.min(rim.sqrt());
     let rho = (a * a + b * b + c * c).sqrt();
     let angle = c.atan2(b);
-    let log = (c / (a * a + b * b).sqrt()).asinh();
+    // asinh(c / √(a² + b²)), of which nothing cancels.
+    let log = 0.5 * ((c + rho) * (c + rho) / (a * a + b * b)).ln();
     let a4 = (a * a) * (a * a);
     let steep = (1.0 - a4) * (a * c).atan2(b * rho);
     let rest = 2.0 * b * c - 0.5 * b * ((b * b + 3.0 * a * a) * log + c * rho) - 2.0 * (1.0 - a * a) * angle;

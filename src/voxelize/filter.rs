@@ -38,7 +38,8 @@ pub fn half_space_distance(density: f64, guess: f64) -> f64 {
         // The slope is 0 at the ends; elsewhere Newton's method.
         let step = (half_space(u) - density) / slope.min(-1e-9);
         u = (u - step).clamp(-1.0, 1.0);
-        if step.abs() < 1e-6 {
+        // The next step would be some square of this one.
+        if step.abs() < 1e-4 {
             break;
         }
     }

@@ -8,6 +8,7 @@
 //! over lines; [`Grade`] goes from one level's filter to the next; each kind of solid has a file; [`Solid`] is any of them and
 //! [`Primitive`] what a model holds.
 
+mod apex;
 pub mod ball;
 pub mod beams;
 pub mod curved;

@@ -53,6 +53,7 @@ impl Face {
 
     /// What the face cuts off the filter's ball about `p`.
     fn cut(&self, p: DVec3, radius: f64) -> f64 {
+        let scale = 1.0 / radius;
         let sides = self
             .corners
             .iter()
@@ -61,11 +62,11 @@ impl Face {
                 let from = *from - p;
                 let start = from.dot(*along);
                 Side {
-                    out: from.dot(*outward) / radius,
-                    along: [start / radius, (start + length) / radius],
+                    out: from.dot(*outward) * scale,
+                    along: [start * scale, (start + length) * scale],
                 }
             });
-        facet::face(self.plane.distance(p) / radius, sides)
+        facet::face(self.plane.distance(p) * scale, sides)
     }
 }
 
@@ -209,26 +210,22 @@ impl Polyhedron {
         }
     }
 
-    /// The density at `p` of a filter whose support is a ball.
-    pub fn density(&self, p: DVec3, support: &Support) -> f64 {
+    /// The density at `p`, where [`Self::distance`] is `distance` radii, of a filter whose support is a ball.
+    pub fn density(&self, p: DVec3, distance: f64, support: &Support) -> f64 {
         let radius = support.reach;
-        let (mut outside, mut next) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        for face in self.faces.iter() {
-            let distance = face.plane.distance(p) / radius;
-            next = next.max(distance.min(outside));
-            outside = outside.max(distance);
+        let meets = |face: &&Face| face.plane.distance(p) > -radius;
+        if self.faces.iter().filter(meets).count() < 2 {
+            // The ball meets no second plane, and so no side of the face that it meets.
+            return filter::half_space(distance);
         }
-        if next <= -1.0 {
-            // The ball reaches no second face, and so no side of the one it reaches.
-            return filter::half_space(outside);
-        }
-        facet::through_surface(p, outside * radius, radius, |p| self.density_beside(p, radius))
+        let on_surface = distance * radius;
+        facet::through_surface(p, on_surface, radius, |p| self.density_beside(p, radius))
     }
 
     /// The density at a point that is not on the surface.
     fn density_beside(&self, p: DVec3, radius: f64) -> f64 {
         let mut density = f64::from(u8::from(self.distance(p) <= 0.0));
-        for face in self.faces.iter() {
+        for face in self.faces.iter().filter(|face| face.plane.distance(p) > -radius) {
             let cut = face.cut(p, radius);
             density -= if face.plane.distance(p) <= 0.0 { cut } else { -cut };
         }
@@ -267,9 +264,4 @@ fn meet(planes: [&Plane; 3]) -> Option<DVec3> {
     let normals = DMat3::from_cols(planes[0].normal, planes[1].normal, planes[2].normal).transpose();
     let offsets = DVec3::from_array(planes.map(|plane| -plane.offset));
     (normals.determinant().abs() > 1e-9).then(|| normals.inverse() * offsets)
-}
-
-/// The density of a half-space at `p` of a filter whose support is a ball.
-pub fn half_space_density(plane: &Plane, p: DVec3, support: &Support) -> f64 {
-    filter::half_space(plane.distance(p) / support.reach)
 }

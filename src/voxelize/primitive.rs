@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::filter::{self, Support};
 use super::grade::Grade;
-use super::solid::{NoInset, Solid};
+use super::solid::{NoInset, Solid, TOGETHER};
 use crate::math::{Aabb, Interval, Overlap};
 use crate::volume::{Field, Sample, SampleRange};
 
@@ -144,12 +144,14 @@ impl Placed {
         self.solid.bounds().expand(DVec3::splat(self.reach()))
     }
 
-    /// At most the distances of `points` of its frame to the surface of the solid or shell; above 0 outside.
-    pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
+    /// At most the distances of up to [`TOGETHER`] points of its frame to the surface of the solid or shell; above 0 outside.
+    pub(super) fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
         self.solid.distances(points, distances);
         if let Some(hollow) = &self.hollow {
-            for (distance, p) in distances.iter_mut().zip(points) {
-                *distance = distance.max(-hollow.distance(*p));
+            let mut inner = [0.0; TOGETHER];
+            hollow.distances(points, &mut inner[..points.len()]);
+            for (distance, inner) in distances.iter_mut().zip(inner) {
+                *distance = distance.max(-inner);
             }
         }
     }
@@ -167,10 +169,35 @@ impl Placed {
 
     /// The coverage at `p`, a point of its frame.
     pub fn coverage(&self, p: DVec3) -> f32 {
-        let solid = self.density(&self.solid, p);
-        match &self.hollow {
-            Some(hollow) if solid > 0.0 => (solid - self.density(hollow, p)).max(0.0) as f32,
-            _ => solid as f32,
+        let mut coverage = [0.0];
+        self.coverages(&[p], &mut coverage);
+        coverage[0]
+    }
+
+    /// [`Self::coverage`] at up to [`TOGETHER`] points of its frame at once.
+    pub(super) fn coverages(&self, points: &[DVec3], coverages: &mut [f32]) {
+        let mut densities = [0.0; TOGETHER];
+        self.densities(&self.solid, points, &mut densities);
+        if let Some(hollow) = &self.hollow {
+            let mut inner = [0.0; TOGETHER];
+            self.densities(hollow, points, &mut inner);
+            for (density, inner) in densities.iter_mut().zip(inner) {
+                *density = (*density - inner).max(0.0);
+            }
+        }
+        for (coverage, density) in coverages.iter_mut().zip(densities) {
+            *coverage = density as f32;
+        }
+    }
+
+    fn densities(&self, solid: &Solid, points: &[DVec3], densities: &mut [f64; TOGETHER]) {
+        match (&self.support, &self.wider) {
+            (Some(support), None) => solid.densities(points, support, &mut densities[..points.len()]),
+            _ => {
+                for (density, p) in densities.iter_mut().zip(points) {
+                    *density = self.density(solid, *p);
+                }
+            }
         }
     }
 

@@ -281,6 +281,18 @@ impl Profile {
         &self.pieces
     }
 
+    /// Whether the solid is what lies behind all sides, which are straight.
+    pub fn is_convex_polygon(&self) -> bool {
+        self.is_convex_polygon
+    }
+
+    /// The one side of a convex polygon whose line a ball of radius `reach` about `p` meets; it meets no corner off the axis.
+    pub fn only_side(&self, p: DVec2, reach: f64) -> Option<&Piece> {
+        let mut met = self.pieces.iter().filter(|piece| piece.ahead(p) > -reach);
+        let first = met.next().filter(|_| self.is_convex_polygon)?;
+        met.next().is_none().then_some(first)
+    }
+
     /// Places where pieces meet or end in a point, each as often as pieces end there.
     pub fn corners(&self) -> &[DVec2] {
         &self.corners
@@ -328,10 +340,27 @@ impl Profile {
 
     /// At most the distance to the outline, above 0 outside; beyond the corners of straight outlines it is less.
     pub fn distance(&self, p: DVec2) -> f64 {
-        if self.is_convex_polygon {
-            let ahead = self.pieces.iter().map(|piece| piece.ahead(p));
-            return ahead.fold(f64::NEG_INFINITY, f64::max);
+        let mut distance = [0.0];
+        self.distances(&[p], &mut distance);
+        distance[0]
+    }
+
+    /// [`Self::distance`] for many points at once.
+    pub fn distances(&self, points: &[DVec2], distances: &mut [f64]) {
+        let each = distances.iter_mut().zip(points);
+        if !self.is_convex_polygon {
+            each.for_each(|(distance, p)| *distance = self.distance_to_outline(*p));
+            return;
         }
+        distances.fill(f64::NEG_INFINITY);
+        for piece in &self.pieces {
+            for (distance, p) in distances.iter_mut().zip(points) {
+                *distance = distance.max(piece.ahead(*p));
+            }
+        }
+    }
+
+    fn distance_to_outline(&self, p: DVec2) -> f64 {
         let squares = self.pieces.iter().map(|piece| piece.distance_squared(p));
         let distance = squares.fold(f64::INFINITY, f64::min).sqrt();
         if self.contains(p) { -distance } else { distance }

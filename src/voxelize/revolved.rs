@@ -12,6 +12,7 @@ use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3};
 
+use super::apex;
 use super::curved::{self, MAX_CURVATURE};
 use super::facet;
 use super::filter::{self, Support};
@@ -21,19 +22,18 @@ use crate::math::quadrature::GaussLegendre;
 
 static RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static ANGLES: LazyLock<GaussLegendre<12>> = LazyLock::new(GaussLegendre::new);
-static HALF_ANGLES: LazyLock<GaussLegendre<6>> = LazyLock::new(GaussLegendre::new);
 static MANY_RADII: LazyLock<GaussLegendre<16>> = LazyLock::new(GaussLegendre::new);
 static MANY_ANGLES: LazyLock<GaussLegendre<32>> = LazyLock::new(GaussLegendre::new);
+static BALL_RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
+static BALL_ANGLES: LazyLock<GaussLegendre<4>> = LazyLock::new(GaussLegendre::new);
 
 /// The density at `p` of `profile` turned about the z axis.
 pub fn density(profile: &Profile, p: DVec3, support: &Support) -> f64 {
+    if !support.is_ball {
+        return integrated(profile, p, support);
+    }
     let flat = beside_axis(p);
-    let known = if support.is_ball {
-        near_feature(profile, flat, support.reach)
-    } else {
-        None
-    };
-    known.unwrap_or_else(|| integrated(profile, p, support))
+    near_feature(profile, flat, support.reach).unwrap_or_else(|| integrated_in_ball(profile, flat, support.reach))
 }
 
 /// The distance of `p` from the axis, and its place along it.
@@ -43,6 +43,10 @@ pub fn beside_axis(p: DVec3) -> DVec2 {
 
 /// The density where the filter's ball sees nothing, one piece that bends little, or one rim; `None` elsewhere.
 fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
+    if let Some(only) = profile.only_side(p, radius) {
+        let nearest = only.nearest(p);
+        return side(&nearest, p, radius).or_else(|| tip(&nearest, p, radius));
+    }
     let mut near = profile
         .pieces()
         .iter()
@@ -54,14 +58,12 @@ fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
         (None, ..) => Some(f64::from(u8::from(profile.distance(p) <= 0.0))),
         (Some(only), None, _) if corners.next().is_none() => side(&only.nearest(p), p, radius),
         (Some(first), Some(second), None) => {
-            let corner = *corners.next()?;
+            let Some(&corner) = corners.next() else {
+                return between([first, second], profile, p, radius);
+            };
             // A corner is there once for each of its pieces.
             let alone = corners.all(|other| *other == corner);
-            if alone {
-                rim([first, second], corner, p, radius)
-            } else {
-                None
-            }
+            alone.then(|| rim([first, second], corner, p, radius))?
         }
         _ => None,
     }
@@ -71,6 +73,21 @@ fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
 fn side(nearest: &Nearest, p: DVec2, radius: f64) -> Option<f64> {
     let distance = (p - nearest.point).dot(nearest.normal) / radius;
     Some(curved::density(distance, bend(nearest, p, radius)?))
+}
+
+/// The density between two sides of a convex outline that do not meet in the ball: each takes away what lies beyond it.
+fn between(pieces: [&Piece; 2], profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
+    let [first, second] = pieces.map(|piece| side(&piece.nearest(p), p, radius));
+    let density = first? + second? - 1.0;
+    profile.is_convex_polygon().then_some(density.max(0.0))
+}
+
+/// The density near the tip of the cone that a straight piece is turned to, or near its axis.
+fn tip(nearest: &Nearest, p: DVec2, radius: f64) -> Option<f64> {
+    let normal = nearest.normal;
+    let distance = (p - nearest.point).dot(normal);
+    let along = (p.x - distance * normal.x) / normal.y.abs();
+    apex::density(distance / radius, along / radius, normal.y.abs() / normal.x)
 }
 
 /// A rim bends at most this much for its density to be that of a wedge, in units of the filter's radius. At a sixth random
@@ -112,13 +129,44 @@ fn bend(at: &Nearest, p: DVec2, radius: f64) -> Option<[f64; 2]> {
     (small && (flat_round_axis || p.x >= radius)).then_some(curvatures)
 }
 
+/// The density by integration over lines along the axis, in a ball: what a ring sees is alike on both sides of the plane
+/// through the sample and the axis.
+pub(super) fn integrated_in_ball(profile: &Profile, p: DVec2, radius: f64) -> f64 {
+    let distance = p.x / radius;
+    let mut sum = 0.0;
+    for (from, to) in stretches((p.x - radius).max(0.0), p.x + radius, &knots(profile, p.y, radius)) {
+        for (rho, w_rho) in BALL_RADII.over(from, to) {
+            let Some((lo, hi)) = profile.interval(rho) else {
+                continue;
+            };
+            let [lo, hi] = [lo, hi].map(|z| (z - p.y) / radius);
+            if lo >= 1.0 || hi <= -1.0 {
+                continue;
+            }
+            let rho = rho / radius;
+            let chord = |angle: f64| {
+                let squared = distance * distance + rho * rho - 2.0 * distance * rho * angle.cos();
+                filter::chord(squared.max(0.0).sqrt(), lo, hi)
+            };
+            let arc = 2.0 * BALL_ANGLES.integrate(0.0, half_angle(distance, rho, 1.0), chord);
+            sum += w_rho / radius * rho * arc;
+        }
+    }
+    sum.clamp(0.0, 1.0)
+}
+
+/// Distances from the axis between which the part of `profile` within `reach` of the height `z` is smooth, rising.
+fn knots(profile: &Profile, z: f64, reach: f64) -> Vec<f64> {
+    let crossings = [z - reach, z + reach].into_iter().flat_map(|z| profile.crossings(z));
+    let mut knots: Vec<f64> = profile.knots().iter().copied().chain(crossings).collect();
+    knots.sort_by(f64::total_cmp);
+    knots
+}
+
 /// The density by integration over lines along the axis.
 pub fn integrated(profile: &Profile, p: DVec3, support: &Support) -> f64 {
     let lines = Lines::new(p, support);
-    let heights = [-support.reach, support.reach].map(|z| p.z + z);
-    let crossings = heights.into_iter().flat_map(|z| profile.crossings(z));
-    let mut knots: Vec<f64> = profile.knots().iter().copied().chain(crossings).collect();
-    knots.sort_by(f64::total_cmp);
+    let knots = knots(profile, p.z, support.reach);
     let sum = over_rings(&lines, &knots, &[], |rho, at| {
         profile
             .interval(rho)
@@ -128,40 +176,35 @@ pub fn integrated(profile: &Profile, p: DVec3, support: &Support) -> f64 {
 }
 
 /// The integral of `f`, given a distance from the axis and a point there, over the lines of `lines`, in rings about the axis:
-/// smooth between the distances `knots` and the directions `cuts` (radians), each rising. Without cuts `f` is the same in all
-/// directions.
+/// smooth between the distances `knots` and the directions `cuts` (radians), each rising.
 pub(super) fn over_rings(lines: &Lines, knots: &[f64], cuts: &[f64], f: impl Fn(f64, DVec2) -> f64) -> f64 {
-    let towards = lines.middle().to_angle();
-    let at = |rho: f64, angle: f64| f(rho, DVec2::from_angle(angle) * rho);
-    if lines.is_ball && cuts.is_empty() {
-        return rings(&RADII, lines, knots, |rho, half| {
-            2.0 * HALF_ANGLES.integrate(towards, towards + half, |angle| at(rho, angle))
-        });
-    }
-    let arcs = |half: f64| stretches(towards - half, towards + half, cuts);
     if lines.is_ball {
-        rings(&RADII, lines, knots, |rho, half| {
-            arcs(half)
-                .map(|(from, to)| ANGLES.integrate(from, to, |angle| at(rho, angle)))
-                .sum()
-        })
+        rings(&RADII, &ANGLES, lines, knots, cuts, f)
     } else {
         // A stretched ball fills its rings less evenly, and is the rarer case.
-        rings(&MANY_RADII, lines, knots, |rho, half| {
-            arcs(half)
-                .map(|(from, to)| MANY_ANGLES.integrate(from, to, |angle| at(rho, angle)))
-                .sum()
-        })
+        rings(&MANY_RADII, &MANY_ANGLES, lines, knots, cuts, f)
     }
 }
 
-/// The integral over rings of `arc`, the integral over a ring's directions given its radius and half the angle it spans.
-fn rings<const N: usize>(radii: &GaussLegendre<N>, lines: &Lines, knots: &[f64], arc: impl Fn(f64, f64) -> f64) -> f64 {
+/// [`over_rings`] by these rules.
+fn rings<const R: usize, const A: usize>(
+    radii: &GaussLegendre<R>,
+    angles: &GaussLegendre<A>,
+    lines: &Lines,
+    knots: &[f64],
+    cuts: &[f64],
+    f: impl Fn(f64, DVec2) -> f64,
+) -> f64 {
     let (distance, reach) = (lines.middle().length(), lines.reach);
+    let towards = lines.middle().to_angle();
     let mut sum = 0.0;
     for (from, to) in stretches((distance - reach).max(0.0), distance + reach, knots) {
         for (rho, weight) in radii.over(from, to) {
-            sum += weight * rho * arc(rho, half_angle(distance, rho, reach));
+            let half = half_angle(distance, rho, reach);
+            let at = |angle: f64| f(rho, DVec2::from_angle(angle) * rho);
+            let arcs = stretches(towards - half, towards + half, cuts);
+            let ring: f64 = arcs.map(|(from, to)| angles.integrate(from, to, at)).sum();
+            sum += weight * rho * ring;
         }
     }
     sum

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::filter::Support;
 use super::mesh::TriangleSolid;
-use super::polyhedron::{self, Polyhedron};
+use super::polyhedron::Polyhedron;
 use super::profile::Profile;
 use super::relief::{Relief, RoundedBox};
 use super::thread::Thread;
@@ -40,6 +40,9 @@ pub enum Solid {
     /// A solid within a closed mesh.
     Mesh(Arc<TriangleSolid>),
 }
+
+/// Points whose distances and densities are found together.
+pub(super) const TOGETHER: usize = 16;
 
 /// The least and the greatest value of [`Solid::distance`] over a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,16 +102,18 @@ impl Solid {
         }
     }
 
-    /// [`Self::distance`]; beyond `limit` on either side that may be said instead.
-    fn distance_within(&self, p: DVec3, limit: f64) -> f64 {
-        match self {
-            Self::Mesh(mesh) => mesh.distance_within(p, limit),
-            _ => self.distance(p),
+    /// [`Self::distances`]; beyond `limit` on either side that may be said instead, which is quicker for meshes.
+    fn distances_within(&self, points: &[DVec3], limit: f64, distances: &mut [f64]) {
+        let Self::Mesh(mesh) = self else {
+            return self.distances(points, distances);
+        };
+        for (distance, p) in distances.iter_mut().zip(points) {
+            *distance = mesh.distance_within(*p, limit);
         }
     }
 
-    /// [`Self::distance`] for many points at once.
-    pub fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
+    /// [`Self::distance`] for up to [`TOGETHER`] points at once.
+    pub(super) fn distances(&self, points: &[DVec3], distances: &mut [f64]) {
         match self {
             Self::Sphere { center, radius } => {
                 for (distance, p) in distances.iter_mut().zip(points) {
@@ -117,9 +122,11 @@ impl Solid {
             }
             Self::Polyhedron(polyhedron) => polyhedron.distances(points, distances),
             Self::Revolved(profile) => {
-                for (distance, p) in distances.iter_mut().zip(points) {
-                    *distance = profile.distance(revolved::beside_axis(*p));
+                let mut flat = [DVec2::ZERO; TOGETHER];
+                for (flat, p) in flat.iter_mut().zip(points) {
+                    *flat = revolved::beside_axis(*p);
                 }
+                profile.distances(&flat[..points.len()], distances);
             }
             _ => {
                 for (distance, p) in distances.iter_mut().zip(points) {
@@ -166,26 +173,40 @@ impl Solid {
     /// # Panics
     /// If the solid has plane faces and the support is not a ball: [`Self::moved`] it to a frame where it is one.
     pub fn density(&self, p: DVec3, support: &Support) -> f64 {
-        let distance = self.distance_within(p, support.reach) / support.reach;
-        if distance.abs() >= 1.0 {
-            return f64::from(u8::from(distance < 0.0));
-        }
-        let most = filter::most_at(distance);
-        let least = 1.0 - filter::most_at(-distance);
-        // Near the filter's rim the two may have rounded past each other.
-        self.soft_density(p, support).max(least).min(most)
+        let mut density = [0.0];
+        self.densities(&[p], support, &mut density);
+        density[0]
     }
 
-    fn soft_density(&self, p: DVec3, support: &Support) -> f64 {
+    /// [`Self::density`] at up to [`TOGETHER`] points at once.
+    pub(super) fn densities(&self, points: &[DVec3], support: &Support, densities: &mut [f64]) {
+        self.distances_within(points, support.reach, densities);
+        for (density, p) in densities.iter_mut().zip(points) {
+            let distance = *density / support.reach;
+            *density = if distance.abs() >= 1.0 {
+                f64::from(u8::from(distance < 0.0))
+            } else {
+                let most = filter::most_at(distance);
+                let least = 1.0 - filter::most_at(-distance);
+                // Near the filter's rim the two may have rounded past each other.
+                self.soft_density(*p, distance, support).max(least).min(most)
+            };
+        }
+    }
+
+    /// The density at `p`, `distance` filter radii from the surface.
+    #[inline]
+    fn soft_density(&self, p: DVec3, distance: f64, support: &Support) -> f64 {
         match self {
-            Self::Sphere { center, radius } if support.is_ball => {
-                ball::density(p.distance(*center) / support.reach, radius / support.reach)
+            Self::Sphere { radius, .. } if support.is_ball => {
+                let radius = radius / support.reach;
+                ball::density(distance + radius, radius)
             }
             Self::Sphere { center, radius } => ball_integrated(p - *center, *radius, support),
-            Self::Box(bounds) => Polyhedron::cuboid(bounds).density(p, support),
-            Self::HalfSpace(plane) => polyhedron::half_space_density(plane, p, support),
+            Self::Box(bounds) => Polyhedron::cuboid(bounds).density(p, distance, support),
+            Self::HalfSpace(_) => filter::half_space(distance),
             Self::Everything => 1.0,
-            Self::Polyhedron(polyhedron) => polyhedron.density(p, support),
+            Self::Polyhedron(polyhedron) => polyhedron.density(p, distance, support),
             Self::Revolved(profile) => revolved::density(profile, p, support),
             Self::Thread(thread) => thread.density(p, support),
             Self::Relief(relief) => relief.density(p, support),

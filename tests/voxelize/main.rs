@@ -1,5 +1,6 @@
 //! Volume-sampled primitives (WK94) against what they are defined to be.
 
+mod accuracy;
 mod algebra;
 mod cases;
 mod convolution;

@@ -1,0 +1,218 @@
+//! WK94's accuracy figures (Results, figure 8) and what they come from: how little of a volume-sampled primitive lies above the
+//! lattice's Nyquist frequency.
+
+use std::f64::consts::TAU;
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use vcsg::math::affine;
+use vcsg::voxelize::beams::Voxelizer;
+use vcsg::voxelize::{Primitive, Profile, Solid};
+
+use crate::cases::Random;
+
+/// WK94's cone, voxels: as high as its base is wide.
+const HEIGHT: f64 = 64.0;
+const BASE: f64 = 32.0;
+
+/// Voxels of the lattice along each axis; the cone fits in any pose.
+const SIDE: usize = 104;
+
+/// How far what is measured at a point sees: the filter's radius, a central difference, and the diagonal of a cell.
+const SEEN: f64 = 2.0 + 1.0 + 1.733;
+
+fn cone() -> Solid {
+    Solid::revolved(Profile::frustum(BASE, 0.0, HEIGHT))
+}
+
+/// What is inside the cone, from its definition.
+fn inside(p: DVec3) -> bool {
+    p.z > -0.5 * HEIGHT && p.truncate().length() < BASE * (0.5 - p.z / HEIGHT)
+}
+
+/// The true outward normal at a point of the surface.
+fn normal(p: DVec3) -> DVec3 {
+    if p.z < -0.5 * HEIGHT + 1e-6 {
+        return -DVec3::Z;
+    }
+    let out = p.truncate().normalize_or_zero();
+    (out * HEIGHT).extend(BASE).normalize()
+}
+
+/// How far `p` is from the apex and the rim.
+fn to_features(p: DVec3) -> f64 {
+    let rim = (p.truncate().normalize_or_zero() * BASE).extend(-0.5 * HEIGHT);
+    p.distance(DVec3::Z * (0.5 * HEIGHT)).min(p.distance(rim))
+}
+
+/// A voxelised cone, read as a renderer reads a volume.
+struct Volume {
+    voxels: Vec<f32>,
+    lattice_from_local: DAffine3,
+}
+
+impl Volume {
+    /// A lattice turned against the cone, so that no face lies along it.
+    fn of(primitive: &Primitive) -> Self {
+        let middle = DAffine3::from_translation(DVec3::splat(0.5 - 0.5 * SIDE as f64));
+        let local_from_lattice = Random(7).pose() * middle;
+        let placed = primitive.placed(&DAffine3::IDENTITY, 1.0);
+        Self {
+            voxels: Voxelizer::new(&placed, [SIDE; 3], &local_from_lattice).voxelize(),
+            lattice_from_local: local_from_lattice.inverse(),
+        }
+    }
+
+    /// The trilinear reconstruction at `p`, a point of the lattice.
+    fn density(&self, p: DVec3) -> f64 {
+        let cell = p.floor();
+        let t = p - cell;
+        let corner = |n: usize| {
+            let offset = DVec3::new((n & 1) as f64, (n >> 1 & 1) as f64, (n >> 2) as f64);
+            let at = (cell + offset).clamp(DVec3::ZERO, DVec3::splat(SIDE as f64 - 1.0));
+            let weight = DVec3::select(offset.cmpgt(DVec3::ZERO), t, 1.0 - t).element_product();
+            weight * f64::from(self.voxels[at.x as usize + SIDE * (at.y as usize + SIDE * at.z as usize)])
+        };
+        (0..8).map(corner).sum()
+    }
+
+    fn is_inside(&self, p: DVec3) -> bool {
+        self.density(affine::point(&self.lattice_from_local, p)) > 0.5
+    }
+
+    /// The normal at `p` by central differences over a voxel to both sides, in the cone's frame.
+    fn normal(&self, p: DVec3) -> DVec3 {
+        let at = affine::point(&self.lattice_from_local, p);
+        let along = |axis: DVec3| self.density(at - axis) - self.density(at + axis);
+        let gradient = DVec3::from_array(DVec3::AXES.map(along));
+        // The lattice is turned only.
+        (self.lattice_from_local.matrix3.transpose() * gradient).normalize_or_zero()
+    }
+}
+
+/// Where a ray first comes inside, by steps of a quarter of a voxel and halving.
+fn first_hit(from: DVec3, along: DVec3, inside: impl Fn(DVec3) -> bool) -> Option<f64> {
+    const STEP: f64 = 0.25;
+    let hit = (0..(4 * SIDE)).find(|n| inside(from + along * (STEP * *n as f64)))?;
+    let (mut out, mut into) = (STEP * hit as f64 - STEP, STEP * hit as f64);
+    for _ in 0..30 {
+        let middle = 0.5 * (out + into);
+        if inside(from + along * middle) {
+            into = middle;
+        } else {
+            out = middle;
+        }
+    }
+    Some(into)
+}
+
+/// What one ray finds.
+struct Found {
+    /// Between the points found and true, along the ray; voxels.
+    error: f64,
+    /// Between the normals found and true, degrees.
+    turned: f64,
+    /// The cosine between the ray and the true normal.
+    facing: f64,
+    /// How far the true point is from the apex and the rim.
+    to_features: f64,
+}
+
+fn cast(volume: &Volume, seed: u64) -> Option<Found> {
+    let mut random = Random(seed);
+    let pose = random.pose();
+    let along = pose.matrix3.z_axis;
+    let aside = pose.matrix3.x_axis * random.within(-40.0, 40.0) + pose.matrix3.y_axis * random.within(-40.0, 40.0);
+    let from = aside - along * (0.5 * SIDE as f64);
+    let truth = first_hit(from, along, inside)?;
+    let found = first_hit(from, along, |p| volume.is_inside(p))?;
+    let [at, found_at] = [truth, found].map(|t| from + along * t);
+    Some(Found {
+        error: (found - truth).abs(),
+        turned: volume
+            .normal(found_at)
+            .dot(normal(at))
+            .clamp(-1.0, 1.0)
+            .acos()
+            .to_degrees(),
+        facing: -normal(at).dot(along),
+        to_features: to_features(at),
+    })
+}
+
+/// The greatest errors of rays that meet the surface at less than 60°: beyond it an error along the ray is more than twice one
+/// of the surface's place, and WK94 too sees it grow without end towards the silhouette.
+fn worst(primitive: &Primitive) -> [[f64; 2]; 2] {
+    let volume = Volume::of(primitive);
+    let found: Vec<Found> = (0..20_000)
+        .into_par_iter()
+        .filter_map(|seed| cast(&volume, seed))
+        .collect();
+    let facing = || found.iter().filter(|f| f.facing > 0.5);
+    let most = |away: f64| {
+        let far = || facing().filter(|f| f.to_features > away);
+        assert!(away == 0.0 || far().count() > 4000, "{}", far().count());
+        let most = |of: fn(&Found) -> f64| far().map(of).fold(0.0, f64::max);
+        [most(|f| f.error), most(|f| f.turned)]
+    };
+    [most(SEEN), most(0.0)]
+}
+
+#[test]
+fn surfaces_and_normals_are_found_as_the_paper_says() {
+    let [soft, soft_anywhere] = worst(&Primitive::soft(cone(), 1.0));
+    let [crisp, crisp_anywhere] = worst(&Primitive::crisp(cone(), 1.0));
+    println!("volume-sampled: {soft:.3?} voxel and degrees; apex and rim too: {soft_anywhere:.3?}");
+    println!("point-sampled: {crisp:.3?} voxel and degrees; apex and rim too: {crisp_anywhere:.3?}");
+    assert!(soft[0] < 0.2 && soft[1] < 1.5, "{soft:?}");
+    // What a point-sampled surface is known by is half a voxel off to both sides, and its normals are those of steps.
+    assert!(crisp[0] > 0.5 && crisp[1] > 15.0, "{crisp:?}");
+}
+
+/// Samples a voxel along a line, so that frequencies up to four times the lattice's Nyquist frequency are seen.
+const RATE: usize = 4;
+
+/// Samples of a line: it begins and ends outside, so that it is periodic.
+const LINE: usize = RATE * SIDE;
+
+/// The energy of a periodic signal above the lattice's Nyquist frequency, half a cycle a voxel, by the Fourier transform.
+fn energy_above_nyquist(signal: &[f64], cosines: &[f64]) -> f64 {
+    let part = |k: usize, shift: usize| -> f64 {
+        let turned = |n: usize| cosines[(k * n + shift) % LINE];
+        signal.iter().enumerate().map(|(n, s)| s * turned(n)).sum()
+    };
+    let above = SIDE / 2 + 1..LINE / 2;
+    above.map(|k| part(k, 0).powi(2) + part(k, LINE * 3 / 4).powi(2)).sum()
+}
+
+/// In units of the radius the transform of the hypercone is 12/k⁴ · (2 − 2 cos k − k sin k). At the Nyquist frequency of a
+/// filter of two voxels k is 2π, and there and beyond it is at most 12 (4 + k)/k⁴ < 0.08: squared, 1/158. By Parseval's theorem
+/// that bounds the energy that is left, summed over all lines.
+const LEFT: f64 = 1.0 / 158.0;
+
+#[test]
+fn little_is_left_above_nyquist() {
+    let cosines: Vec<f64> = (0..LINE).map(|n| (TAU * n as f64 / LINE as f64).cos()).collect();
+    let energies = |primitive: &Primitive| -> f64 {
+        let placed = primitive.placed(&DAffine3::IDENTITY, 1.0);
+        let line = |seed: u64| {
+            let mut random = Random(seed);
+            let pose = random.pose();
+            let start = DVec3::new(
+                random.within(-40.0, 40.0),
+                random.within(-40.0, 40.0),
+                -0.5 * SIDE as f64,
+            );
+            let at = |n: usize| pose.transform_vector3(start + DVec3::Z * (n as f64 / RATE as f64));
+            let signal: Vec<f64> = (0..LINE).map(|n| f64::from(placed.coverage(at(n)))).collect();
+            energy_above_nyquist(&signal, &cosines)
+        };
+        (0..600).into_par_iter().map(line).collect::<Vec<_>>().iter().sum()
+    };
+    let (soft, crisp) = (
+        energies(&Primitive::soft(cone(), 1.0)),
+        energies(&Primitive::crisp(cone(), 1.0)),
+    );
+    println!("energy above Nyquist: 1/{:.0} of that of point sampling", crisp / soft);
+    assert!(soft > 0.0 && soft < LEFT * crisp, "{soft} of {crisp}");
+}
