@@ -7,6 +7,7 @@ mod frames;
 mod machine;
 mod memory;
 mod picture;
+mod primitives;
 #[path = "../quads/mod.rs"]
 mod quads;
 mod rates;
@@ -45,6 +46,9 @@ struct Arguments {
     /// Measure surfaces only, and write no report.
     #[arg(long)]
     surfaces: bool,
+    /// Measure primitives only, and write no report.
+    #[arg(long)]
+    primitives: bool,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
@@ -65,6 +69,7 @@ struct Report {
     resampling: Vec<resampling::Comparison>,
     memory: Vec<memory::Measured>,
     surfaces: Vec<surfaces::Comparison>,
+    primitives: Vec<primitives::Comparison>,
 }
 
 fn main() -> ExitCode {
@@ -86,6 +91,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
     }
     if let Some(name) = &arguments.memory_of_surface {
         return surfaces::print_growth_of(name).map(|()| 0);
+    }
+    if arguments.primitives {
+        return primitives::compare(arguments.repetitions().runs).map(|_| 0);
     }
     vtk::require_setup()?;
     if arguments.surfaces {
@@ -126,6 +134,7 @@ impl Report {
             resampling: resampling::compare(repetitions.runs)?,
             memory: memory::measure()?,
             surfaces: surfaces::compare(repetitions.runs)?,
+            primitives: primitives::compare(repetitions.runs)?,
         })
     }
 
@@ -135,11 +144,13 @@ impl Report {
         let resampling = self.resampling.iter().map(|c| &c.bar);
         let memory = self.memory.iter().map(|m| &m.bar);
         let surfaces = self.surfaces.iter().flat_map(|c| &c.bars);
+        let primitives = self.primitives.iter().flat_map(|c| &c.bars);
         frames
             .chain(rates)
             .chain(resampling)
             .chain(memory)
             .chain(surfaces)
+            .chain(primitives)
             .collect()
     }
 }

@@ -50,7 +50,8 @@ pub fn density(distance: f64, curvatures: [f64; 2]) -> f64 {
     let table = &*TABLE;
     let along = |i: usize, j: usize| {
         let row = DISTANCES * (i + CURVATURES * j) + d;
-        f64::from(table[row]) * (1.0 - ft) + f64::from(table[row + 1]) * ft
+        let ends = &table[row..row + 2];
+        f64::from(ends[0]) * (1.0 - ft) + f64::from(ends[1]) * ft
     };
     // The sides of cylinders and cones are straight one way, which is a curvature of the table.
     let across = |j: usize| match fi {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::filter::Support;
 use super::polyhedron::Polyhedron;
@@ -106,11 +106,11 @@ impl Solid {
             }
             Self::Polyhedron(polyhedron) => polyhedron.distances(points, distances),
             Self::Revolved(profile) => {
-                let mut flat = [DVec2::ZERO; TOGETHER];
-                for (flat, p) in flat.iter_mut().zip(points) {
-                    *flat = revolved::beside_axis(*p);
+                let (mut rho, mut z) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+                for ((rho, z), p) in rho.iter_mut().zip(&mut z).zip(points) {
+                    (*rho, *z) = revolved::beside_axis(*p).into();
                 }
-                profile.distances(&flat[..points.len()], distances);
+                profile.distances(&rho[..points.len()], &z[..points.len()], distances);
             }
             _ => {
                 for (distance, p) in distances.iter_mut().zip(points) {
@@ -190,7 +190,7 @@ impl Solid {
             Self::HalfSpace(_) => filter::half_space(distance),
             Self::Everything => 1.0,
             Self::Polyhedron(polyhedron) => polyhedron.density(p, distance, support),
-            Self::Revolved(profile) => revolved::density(profile, p, support),
+            Self::Revolved(profile) => revolved::density(profile, p, distance, support),
             Self::Thread(thread) => thread.density(p, support),
             Self::Relief(relief) => relief.density(p, support),
         }
