@@ -53,7 +53,7 @@ mod tests {
                 _ => (0.5 * (1.0 - (d * d + t * t - radius * radius) / (2.0 * d * t))).clamp(0.0, 1.0),
             };
             let shells = |t: f64| 4.0 * PI * t * t * filter::weight(t) * share(t);
-            let mut knots = vec![0.0, 1.0, (d - radius).abs().min(1.0), (d + radius).min(1.0)];
+            let mut knots = [0.0, 1.0, (d - radius).abs().min(1.0), (d + radius).min(1.0)];
             knots.sort_by(f64::total_cmp);
             let numeric: f64 = knots.windows(2).map(|k| rule.integrate(k[0], k[1], shells)).sum();
             let exact = density(d, radius);

@@ -326,7 +326,7 @@ impl Profile {
         self.pieces.iter().filter_map(move |piece| match *piece {
             Piece::Line { from, to, .. } => {
                 let t = (z - from.y) / (to.y - from.y);
-                (0.0 < t && t < 1.0).then(|| from.x + t * (to.x - from.x))
+                (0.0 < t && t < 1.0).then_some(from.x + t * (to.x - from.x))
             }
             Piece::Arc { .. } => None,
         })

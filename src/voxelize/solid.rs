@@ -170,8 +170,11 @@ impl Solid {
             *density = if distance.abs() >= 1.0 {
                 f64::from(u8::from(distance < 0.0))
             } else {
-                let most = filter::most_at(distance);
-                let least = 1.0 - filter::most_at(-distance);
+                let most = filter::most_at(distance.abs());
+                let (least, most) = match distance >= 0.0 {
+                    true => (0.0, most),
+                    false => (1.0 - most, 1.0),
+                };
                 self.soft_density(*p, distance, support).clamp(least, most)
             };
         }

@@ -171,17 +171,16 @@ fn surfaces_and_normals_are_found_as_the_paper_says() {
     assert!(crisp[0] > 0.5 && crisp[1] > 15.0, "{crisp:?}");
 }
 
-/// WK94's 1.5° is more than central differences can give with a radius of 2; it does not say which radius it had. It is met with
-/// one of 3, by a cone that stands upright in the lattice.
+/// WK94's 1.5° is less than such differences give with a radius of 2; it does not say which radius it had. With one of 4 they
+/// turn a plane's normals by at most 0.92°, and the cone's, at the distance 4r from the apex, by the same 0.54° as before.
 #[test]
 fn normals_are_as_good_as_the_papers_with_a_wider_filter() {
     let wide = Primitive {
-        filter_voxels: 3.0,
+        filter_voxels: 4.0,
         ..Primitive::soft(cone(), 1.0)
     };
-    let shift = DAffine3::from_translation(DVec3::new(0.37, 0.21, 0.43));
-    let [[error, turned], _] = worst(&wide, &shift, 3.0);
-    println!("filter radius 3: {error:.3} voxel, {turned:.3}°");
+    let [[error, turned], _] = worst(&wide, &Random(7).pose(), 4.0);
+    println!("filter radius 4: {error:.3} voxel, {turned:.3}°");
     assert!(turned < 1.5, "{turned}");
 }
 
