@@ -37,6 +37,7 @@ static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
 
 /// The density at `distance` from a surface (above 0 outside) with these principal curvatures, above 0 where the solid
 /// bulges. Curvatures beyond the table count as its last.
+#[inline(always)] // A straight side's curvature of 0 is half of the work when it is known here.
 pub fn density(distance: f64, curvatures: [f64; 2]) -> f64 {
     if distance >= 1.0 {
         return 0.0;
