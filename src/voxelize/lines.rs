@@ -19,8 +19,6 @@ pub struct Lines {
     scale: f64,
     /// The farthest that the ball reaches across.
     pub reach: f64,
-    /// Whether the ball is one in the solid's frame too, and so alike on both sides of the plane through it and the axis.
-    pub is_ball: bool,
 }
 
 impl Lines {
@@ -37,7 +35,6 @@ impl Lines {
             across,
             along: DVec3::new(unit.x_axis.dot(axis), unit.y_axis.dot(axis), length),
             scale: unit.determinant().abs() / length,
-            is_ball: support.is_ball,
             reach: if support.is_ball {
                 support.reach
             } else {

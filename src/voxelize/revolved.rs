@@ -4,8 +4,8 @@
 //! the features are the outline's pieces and their corners.
 //! *Changes from the paper.* Near one piece the density is that of a surface with the piece's curvature and that of the circle
 //! it is turned on ([`curved`]). Near a corner of two straight pieces it is that of a wedge ([`facet::wedge`]) between the planes
-//! that have the pieces' densities, which accounts for the bend of the rim. Anything else (an apex, a solid of the filter's size,
-//! a stretched pose) is integrated over lines along the axis ([`Lines`]).
+//! that have the pieces' densities, which accounts for the bend of the rim. Near the tip of a cone a table has it ([`apex`]).
+//! Anything else (a solid of the filter's size, a stretched pose) is integrated over lines along the axis ([`Lines`]).
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -22,7 +22,6 @@ use crate::math::quadrature::GaussLegendre;
 
 static RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static ANGLES: LazyLock<GaussLegendre<12>> = LazyLock::new(GaussLegendre::new);
-static BALL_RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static BALL_ANGLES: LazyLock<GaussLegendre<4>> = LazyLock::new(GaussLegendre::new);
 
 /// The density at `p` of `profile` turned about the z axis, where [`Profile::distance`] is `distance` radii of the filter.
@@ -137,7 +136,7 @@ pub(super) fn integrated_in_ball(profile: &Profile, p: DVec2, radius: f64) -> f6
     let distance = p.x / radius;
     let mut sum = 0.0;
     for (from, to) in stretches((p.x - radius).max(0.0), p.x + radius, &knots(profile, p.y, radius)) {
-        for (rho, w_rho) in BALL_RADII.over(from, to) {
+        for (rho, w_rho) in RADII.over(from, to) {
             let Some((lo, hi)) = profile.interval(rho) else {
                 continue;
             };
