@@ -8,6 +8,7 @@ mod machine;
 mod memory;
 mod picture;
 mod pinning;
+mod primitives;
 #[path = "../quads/mod.rs"]
 mod quads;
 mod rates;
@@ -52,6 +53,9 @@ struct Arguments {
     /// Measure resampling only, and write no report.
     #[arg(long)]
     resampling: bool,
+    /// Measure primitives only, and write no report.
+    #[arg(long)]
+    primitives: bool,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
@@ -72,6 +76,7 @@ struct Report {
     resampling: Vec<resampling::Comparison>,
     memory: Vec<memory::Measured>,
     surfaces: Vec<surfaces::Comparison>,
+    primitives: Vec<primitives::Comparison>,
 }
 
 fn main() -> ExitCode {
@@ -93,6 +98,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
     }
     if let Some(name) = &arguments.memory_of_surface {
         return surfaces::print_growth_of(name).map(|()| 0);
+    }
+    if arguments.primitives {
+        return primitives::compare(arguments.repetitions().runs).map(|_| 0);
     }
     vtk::require_setup()?;
     if let Some(name) = &arguments.surfaces {
@@ -139,6 +147,7 @@ impl Report {
             resampling: resampling::compare(repetitions.runs)?,
             memory: memory::measure()?,
             surfaces: surfaces::compare("", repetitions.runs)?,
+            primitives: primitives::compare(repetitions.runs)?,
         })
     }
 
@@ -148,11 +157,13 @@ impl Report {
         let resampling = self.resampling.iter().map(|c| &c.bar);
         let memory = self.memory.iter().map(|m| &m.bar);
         let surfaces = self.surfaces.iter().flat_map(|c| &c.bars);
+        let primitives = self.primitives.iter().flat_map(|c| &c.bars);
         frames
             .chain(rates)
             .chain(resampling)
             .chain(memory)
             .chain(surfaces)
+            .chain(primitives)
             .collect()
     }
 }

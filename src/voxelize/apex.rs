@@ -4,10 +4,11 @@
 //! three numbers: the distance to the side, the place along it, and the angle at the tip (WK94's table of a vertex).
 //! *Changes from the paper.* One table serves all cones, those of frustums whose tip is cut off out of sight too. It is
 //! interpolated by cubics, which need fewer entries than lines do.
-//! *Practice.* Lengths are in units of the filter's radius. Half angles from 20° to 70° are covered. The table has 13 · 33 · 11
+//! *Practice.* Lengths are in units of the filter's radius. Half angles from 20° to 70° are covered. The table has 13 · 33 · 13
 //! entries and is filled once, when first asked, on one thread: see [`curved`](super::curved).
 
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 use glam::DVec2;
@@ -16,10 +17,13 @@ use super::profile::Profile;
 use super::revolved;
 
 /// Entries along the distance, from -1 to 1; along the side; and along the half angle.
-const ENTRIES: [usize; 3] = [13, 33, 11];
+const ENTRIES: [usize; 3] = [13, 33, 13];
 
-/// The least and the greatest half angle.
-const HALF_ANGLES: [f64; 2] = [PI / 9.0, 7.0 * PI / 18.0];
+/// The least and the greatest half angle of the table: an entry beyond what it is asked for, so that cubics have four.
+const HALF_ANGLES: [f64; 2] = [PI / 12.0, 5.0 * PI / 12.0];
+
+/// The half angles that are covered.
+const COVERED: RangeInclusive<f64> = PI / 9.0..=7.0 * PI / 18.0;
 
 /// Where on the side the table begins: there the ball is beyond the tip.
 const FIRST: f64 = -1.0;
@@ -45,7 +49,7 @@ static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
 pub fn density(distance: f64, along: f64, tangent: f64) -> Option<f64> {
     let half_angle = tangent.atan();
     let last = last(half_angle);
-    if !(HALF_ANGLES[0]..=HALF_ANGLES[1]).contains(&half_angle) || along > last {
+    if !COVERED.contains(&half_angle) || along > last {
         return None;
     }
     let (d, by_distance) = cubic(0.5 * (distance + 1.0), ENTRIES[0]);
@@ -109,7 +113,7 @@ mod tests {
         let mut worst = 0f64;
         for n in 0..6000 {
             let part = |step: f64| (f64::from(n) * step).fract();
-            let half_angle = HALF_ANGLES[0] + (HALF_ANGLES[1] - HALF_ANGLES[0]) * part(0.754_877_666);
+            let half_angle = COVERED.start() + (COVERED.end() - COVERED.start()) * part(0.754_877_666);
             let along = FIRST + (last(half_angle) - FIRST) * part(0.569_840_29);
             let distance = 2.0 * part(0.618_033_988) - 1.0;
             // Off the axis's far side, where no sample is.

@@ -32,7 +32,7 @@ pub struct Layer {
 }
 
 /// Where the surface is more voxels away than this, voxels are looked at one by one.
-const FEW: usize = 4;
+const FEW: usize = 16;
 
 /// A primitive on a lattice.
 pub struct Voxelizer<'a> {

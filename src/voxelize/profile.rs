@@ -113,6 +113,14 @@ impl Piece {
         }
     }
 
+    /// The outward unit normal nearest to `p`.
+    pub fn normal_at(&self, p: DVec2) -> DVec2 {
+        match *self {
+            Self::Line { along, .. } => -along.perp(),
+            Self::Arc { center, .. } => self.nearest_direction(p - center),
+        }
+    }
+
     /// The squared distance to `p`.
     pub fn distance_squared(&self, p: DVec2) -> f64 {
         match *self {
@@ -341,21 +349,22 @@ impl Profile {
     /// At most the distance to the outline, above 0 outside; beyond the corners of straight outlines it is less.
     pub fn distance(&self, p: DVec2) -> f64 {
         let mut distance = [0.0];
-        self.distances(&[p], &mut distance);
+        self.distances(&[p.x], &[p.y], &mut distance);
         distance[0]
     }
 
-    /// [`Self::distance`] for many points at once.
-    pub fn distances(&self, points: &[DVec2], distances: &mut [f64]) {
-        let each = distances.iter_mut().zip(points);
+    /// [`Self::distance`] for many points (`rho`, `z`) at once.
+    pub fn distances(&self, rho: &[f64], z: &[f64], distances: &mut [f64]) {
         if !self.is_convex_polygon {
-            each.for_each(|(distance, p)| *distance = self.distance_to_outline(*p));
+            for ((distance, x), y) in distances.iter_mut().zip(rho).zip(z) {
+                *distance = self.distance_to_outline(DVec2::new(*x, *y));
+            }
             return;
         }
         distances.fill(f64::NEG_INFINITY);
         for piece in &self.pieces {
-            for (distance, p) in distances.iter_mut().zip(points) {
-                *distance = distance.max(piece.ahead(*p));
+            for ((distance, x), y) in distances.iter_mut().zip(rho).zip(z) {
+                *distance = distance.max(piece.ahead(DVec2::new(*x, *y)));
             }
         }
     }

@@ -4,8 +4,8 @@
 //! the features are the outline's pieces and their corners.
 //! *Changes from the paper.* Near one piece the density is that of a surface with the piece's curvature and that of the circle
 //! it is turned on ([`curved`]). Near a corner of two straight pieces it is that of a wedge ([`facet::wedge`]) between the planes
-//! that have the pieces' densities, which accounts for the bend of the rim. Anything else (an apex, a solid of the filter's size,
-//! a stretched pose) is integrated over lines along the axis ([`Lines`]).
+//! that have the pieces' densities, which accounts for the bend of the rim. Near the tip of a cone a table has it ([`apex`]).
+//! Anything else (a solid of the filter's size, a stretched pose) is integrated over lines along the axis ([`Lines`]).
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -24,16 +24,20 @@ static RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static ANGLES: LazyLock<GaussLegendre<12>> = LazyLock::new(GaussLegendre::new);
 static MANY_RADII: LazyLock<GaussLegendre<16>> = LazyLock::new(GaussLegendre::new);
 static MANY_ANGLES: LazyLock<GaussLegendre<32>> = LazyLock::new(GaussLegendre::new);
-static BALL_RADII: LazyLock<GaussLegendre<7>> = LazyLock::new(GaussLegendre::new);
 static BALL_ANGLES: LazyLock<GaussLegendre<4>> = LazyLock::new(GaussLegendre::new);
 
-/// The density at `p` of `profile` turned about the z axis.
-pub fn density(profile: &Profile, p: DVec3, support: &Support) -> f64 {
+/// The density at `p` of `profile` turned about the z axis, where [`Profile::distance`] is `distance` radii of the filter.
+pub fn density(profile: &Profile, p: DVec3, distance: f64, support: &Support) -> f64 {
     if !support.is_ball {
         return integrated(profile, p, support);
     }
     let flat = beside_axis(p);
-    near_feature(profile, flat, support.reach).unwrap_or_else(|| integrated_in_ball(profile, flat, support.reach))
+    let radius = support.reach;
+    let known = match profile.only_side(flat, radius) {
+        Some(side) => straight_side(side.normal_at(flat), flat, distance, radius),
+        None => near_feature(profile, flat, radius),
+    };
+    known.unwrap_or_else(|| integrated_in_ball(profile, flat, radius))
 }
 
 /// The distance of `p` from the axis, and its place along it.
@@ -43,10 +47,6 @@ pub fn beside_axis(p: DVec3) -> DVec2 {
 
 /// The density where the filter's ball sees nothing, one piece that bends little, or one rim; `None` elsewhere.
 fn near_feature(profile: &Profile, p: DVec2, radius: f64) -> Option<f64> {
-    if let Some(only) = profile.only_side(p, radius) {
-        let nearest = only.nearest(p);
-        return side(&nearest, p, radius).or_else(|| tip(&nearest, p, radius));
-    }
     let mut near = profile
         .pieces()
         .iter()
@@ -82,12 +82,18 @@ fn between(pieces: [&Piece; 2], profile: &Profile, p: DVec2, radius: f64) -> Opt
     profile.is_convex_polygon().then_some(density.max(0.0))
 }
 
-/// The density near the tip of the cone that a straight piece is turned to, or near its axis.
-fn tip(nearest: &Nearest, p: DVec2, radius: f64) -> Option<f64> {
-    let normal = nearest.normal;
-    let distance = (p - nearest.point).dot(normal);
-    let along = (p.x - distance * normal.x) / normal.y.abs();
-    apex::density(distance / radius, along / radius, normal.y.abs() / normal.x)
+/// The density near a straight side with this normal and nothing else: of a cone's side, or near its tip or axis.
+fn straight_side(normal: DVec2, p: DVec2, distance: f64, radius: f64) -> Option<f64> {
+    let on_side = p.x - distance * radius * normal.x;
+    let round = match normal.x {
+        0.0 => 0.0,
+        _ => radius * normal.x / on_side,
+    };
+    if round == 0.0 || (round.abs() <= MAX_CURVATURE && p.x >= radius) {
+        return Some(curved::density(distance, [0.0, round]));
+    }
+    let (sine, cosine) = (normal.y.abs(), normal.x);
+    apex::density(distance, on_side / (sine * radius), sine / cosine)
 }
 
 /// A rim bends at most this much for its density to be that of a wedge, in units of the filter's radius. At a sixth random
@@ -99,23 +105,20 @@ fn rim(pieces: [&Piece; 2], corner: DVec2, p: DVec2, radius: f64) -> Option<f64>
     if radius > MAX_RIM_CURVATURE * corner.x {
         return None;
     }
+    let [Piece::Line { to, along, .. }, Piece::Line { along: other, .. }] = pieces else {
+        return None;
+    };
+    // Counter-clockwise, an outline turns left at a convex corner.
+    let turn = along.perp_dot(*other);
+    if (*to == corner) != (turn > 0.0) {
+        return None;
+    }
     let mut planes = [(0.0, DVec2::ZERO); 2];
     for (plane, piece) in planes.iter_mut().zip(pieces) {
-        let Piece::Line { from, to, .. } = *piece else {
-            return None;
-        };
-        let behind = if from == corner { to } else { from };
         let at_corner = piece.nearest(corner);
         let distance = (p - corner).dot(at_corner.normal) / radius;
         let bent = curved::density(distance, bend(&at_corner, p, radius)?);
         *plane = (filter::half_space_distance(bent, distance), at_corner.normal);
-        // Convex: each piece runs behind the other's plane.
-        if pieces
-            .iter()
-            .any(|other| other.nearest(corner).normal.dot(behind - corner) > 1e-9 * radius)
-        {
-            return None;
-        }
     }
     let [(first, first_normal), (second, second_normal)] = planes;
     Some(facet::wedge(first, second, first_normal.dot(second_normal)))
@@ -135,7 +138,7 @@ pub(super) fn integrated_in_ball(profile: &Profile, p: DVec2, radius: f64) -> f6
     let distance = p.x / radius;
     let mut sum = 0.0;
     for (from, to) in stretches((p.x - radius).max(0.0), p.x + radius, &knots(profile, p.y, radius)) {
-        for (rho, w_rho) in BALL_RADII.over(from, to) {
+        for (rho, w_rho) in RADII.over(from, to) {
             let Some((lo, hi)) = profile.interval(rho) else {
                 continue;
             };

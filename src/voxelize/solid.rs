@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::filter::Support;
 use super::mesh::TriangleSolid;
@@ -122,11 +122,11 @@ impl Solid {
             }
             Self::Polyhedron(polyhedron) => polyhedron.distances(points, distances),
             Self::Revolved(profile) => {
-                let mut flat = [DVec2::ZERO; TOGETHER];
-                for (flat, p) in flat.iter_mut().zip(points) {
-                    *flat = revolved::beside_axis(*p);
+                let (mut rho, mut z) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+                for ((rho, z), p) in rho.iter_mut().zip(&mut z).zip(points) {
+                    (*rho, *z) = revolved::beside_axis(*p).into();
                 }
-                profile.distances(&flat[..points.len()], distances);
+                profile.distances(&rho[..points.len()], &z[..points.len()], distances);
             }
             _ => {
                 for (distance, p) in distances.iter_mut().zip(points) {
@@ -186,9 +186,11 @@ impl Solid {
             *density = if distance.abs() >= 1.0 {
                 f64::from(u8::from(distance < 0.0))
             } else {
-                let most = filter::most_at(distance);
-                let least = 1.0 - filter::most_at(-distance);
-                // Near the filter's rim the two may have rounded past each other.
+                let most = filter::most_at(distance.abs());
+                let (least, most) = match distance >= 0.0 {
+                    true => (0.0, most),
+                    false => (1.0 - most, 1.0),
+                };
                 self.soft_density(*p, distance, support).max(least).min(most)
             };
         }
@@ -207,7 +209,7 @@ impl Solid {
             Self::HalfSpace(_) => filter::half_space(distance),
             Self::Everything => 1.0,
             Self::Polyhedron(polyhedron) => polyhedron.density(p, distance, support),
-            Self::Revolved(profile) => revolved::density(profile, p, support),
+            Self::Revolved(profile) => revolved::density(profile, p, distance, support),
             Self::Thread(thread) => thread.density(p, support),
             Self::Relief(relief) => relief.density(p, support),
             Self::Mesh(mesh) => mesh.density(p, support),

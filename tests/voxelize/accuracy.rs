@@ -18,8 +18,8 @@ const BASE: f64 = 32.0;
 /// Voxels of the lattice along each axis; the cone fits in any pose.
 const SIDE: usize = 104;
 
-/// How far what is measured at a point sees: the filter's radius, a central difference, and the diagonal of a cell.
-const SEEN: f64 = 2.0 + 1.0 + 1.733;
+/// How far what is measured at a point sees beyond the filter's radius: a central difference, and the diagonal of a cell.
+const SEEN: f64 = 1.0 + 1.733;
 
 fn cone() -> Solid {
     Solid::revolved(Profile::frustum(BASE, 0.0, HEIGHT))
@@ -39,10 +39,11 @@ fn normal(p: DVec3) -> DVec3 {
     (out * HEIGHT).extend(BASE).normalize()
 }
 
-/// How far `p` is from the apex and the rim.
-fn to_features(p: DVec3) -> f64 {
+/// Whether nothing of the rim is seen at `p`, and the apex is so far that the cone is a side to a filter of this radius, and no
+/// point: turned on a radius of curvature of at least twice the filter's, which is half of the way from the apex along the side.
+fn is_away(p: DVec3, filter: f64) -> bool {
     let rim = (p.truncate().normalize_or_zero() * BASE).extend(-0.5 * HEIGHT);
-    p.distance(DVec3::Z * (0.5 * HEIGHT)).min(p.distance(rim))
+    p.distance(DVec3::Z * (0.5 * HEIGHT)) > 4.0 * filter && p.distance(rim) > filter + SEEN
 }
 
 /// A voxelised cone, read as a renderer reads a volume.
@@ -52,10 +53,9 @@ struct Volume {
 }
 
 impl Volume {
-    /// A lattice turned against the cone, so that no face lies along it.
-    fn of(primitive: &Primitive) -> Self {
-        let middle = DAffine3::from_translation(DVec3::splat(0.5 - 0.5 * SIDE as f64));
-        let local_from_lattice = Random(7).pose() * middle;
+    /// The primitive on a lattice in this pose.
+    fn of(primitive: &Primitive, pose: &DAffine3) -> Self {
+        let local_from_lattice = *pose * DAffine3::from_translation(DVec3::splat(0.5 - 0.5 * SIDE as f64));
         let placed = primitive.placed(&DAffine3::IDENTITY, 1.0);
         Self {
             voxels: Voxelizer::new(&placed, [SIDE; 3], &local_from_lattice).voxelize(),
@@ -110,12 +110,12 @@ fn first_hit(from: DVec3, along: DVec3, inside: impl Fn(DVec3) -> bool) -> Optio
 struct Found {
     /// Between the points found and true, along the ray; voxels.
     error: f64,
-    /// Between the normals found and true, degrees.
+    /// Between the normals found and true at the true point, degrees.
     turned: f64,
     /// The cosine between the ray and the true normal.
     facing: f64,
-    /// How far the true point is from the apex and the rim.
-    to_features: f64,
+    /// The true point.
+    at: DVec3,
 }
 
 fn cast(volume: &Volume, seed: u64) -> Option<Found> {
@@ -126,47 +126,62 @@ fn cast(volume: &Volume, seed: u64) -> Option<Found> {
     let from = aside - along * (0.5 * SIDE as f64);
     let truth = first_hit(from, along, inside)?;
     let found = first_hit(from, along, |p| volume.is_inside(p))?;
-    let [at, found_at] = [truth, found].map(|t| from + along * t);
+    let at = from + along * truth;
     Some(Found {
         error: (found - truth).abs(),
-        turned: volume
-            .normal(found_at)
-            .dot(normal(at))
-            .clamp(-1.0, 1.0)
-            .acos()
-            .to_degrees(),
+        turned: volume.normal(at).dot(normal(at)).clamp(-1.0, 1.0).acos().to_degrees(),
         facing: -normal(at).dot(along),
-        to_features: to_features(at),
+        at,
     })
 }
 
-/// The greatest errors of rays that meet the surface at less than 60°: beyond it an error along the ray is more than twice one
-/// of the surface's place, and WK94 too sees it grow without end towards the silhouette.
-fn worst(primitive: &Primitive) -> [[f64; 2]; 2] {
-    let volume = Volume::of(primitive);
-    let found: Vec<Found> = (0..20_000)
-        .into_par_iter()
-        .filter_map(|seed| cast(&volume, seed))
-        .collect();
-    let facing = || found.iter().filter(|f| f.facing > 0.5);
-    let most = |away: f64| {
-        let far = || facing().filter(|f| f.to_features > away);
-        assert!(away == 0.0 || far().count() > 4000, "{}", far().count());
-        let most = |of: fn(&Found) -> f64| far().map(of).fold(0.0, f64::max);
+/// The greatest errors of rays, in voxels and degrees, that meet the surface away from apex and rim, and anywhere; at less than
+/// 60°: beyond it an error along the ray is more than twice one of the surface's place, and WK94 too sees it grow towards the
+/// silhouette.
+fn worst(primitive: &Primitive, pose: &DAffine3, filter: f64) -> [[f64; 2]; 2] {
+    let volume = Volume::of(primitive, pose);
+    let rays = (0..20_000).into_par_iter().filter_map(|seed| cast(&volume, seed));
+    let facing: Vec<Found> = rays.filter(|found| found.facing > 0.5).collect();
+    let most = |found: &[&Found]| {
+        let most = |of: fn(&Found) -> f64| found.iter().map(|f| of(f)).fold(0.0, f64::max);
         [most(|f| f.error), most(|f| f.turned)]
     };
-    [most(SEEN), most(0.0)]
+    let away: Vec<&Found> = facing.iter().filter(|f| is_away(f.at, filter)).collect();
+    assert!(away.len() > 4000, "{} rays", away.len());
+    [most(&away), most(&facing.iter().collect::<Vec<_>>())]
 }
+
+/// Central differences over a voxel to both sides turn the normals of a plane: along each axis the slope of the density is seen
+/// as less by the part u² − u³/2, where u is the normal's part along the axis over the filter's radius. Over all directions that
+/// is up to 3.50° with a radius of 2 voxels. A cone adds that its surface of density ½ is not where its own is, but κ/2 · 0.15 r²
+/// inwards, the mean square way in the plane under the filter's weights; with κ = 2/s at the distance s from the apex that is
+/// 0.6/s voxel, whose slope at s = 8 turns by 0.54°.
+const TURNED: f64 = 3.50 + 0.54;
 
 #[test]
 fn surfaces_and_normals_are_found_as_the_paper_says() {
-    let [soft, soft_anywhere] = worst(&Primitive::soft(cone(), 1.0));
-    let [crisp, crisp_anywhere] = worst(&Primitive::crisp(cone(), 1.0));
+    // Turned against the cone, so that no face lies along the lattice.
+    let pose = Random(7).pose();
+    let [soft, soft_anywhere] = worst(&Primitive::soft(cone(), 1.0), &pose, 2.0);
+    let [crisp, crisp_anywhere] = worst(&Primitive::crisp(cone(), 1.0), &pose, 2.0);
     println!("volume-sampled: {soft:.3?} voxel and degrees; apex and rim too: {soft_anywhere:.3?}");
     println!("point-sampled: {crisp:.3?} voxel and degrees; apex and rim too: {crisp_anywhere:.3?}");
-    assert!(soft[0] < 0.2 && soft[1] < 1.5, "{soft:?}");
+    assert!(soft[0] < 0.2 && soft[1] < TURNED, "{soft:?}");
     // What a point-sampled surface is known by is half a voxel off to both sides, and its normals are those of steps.
     assert!(crisp[0] > 0.5 && crisp[1] > 15.0, "{crisp:?}");
+}
+
+/// WK94's 1.5° is less than such differences give with a radius of 2; it does not say which radius it had. With one of 4 they
+/// turn a plane's normals by at most 0.92°, and the cone's, at the distance 4r from the apex, by the same 0.54° as before.
+#[test]
+fn normals_are_as_good_as_the_papers_with_a_wider_filter() {
+    let wide = Primitive {
+        filter_voxels: 4.0,
+        ..Primitive::soft(cone(), 1.0)
+    };
+    let [[error, turned], _] = worst(&wide, &Random(7).pose(), 4.0);
+    println!("filter radius 4: {error:.3} voxel, {turned:.3}°");
+    assert!(turned < 1.5, "{turned}");
 }
 
 /// Samples a voxel along a line, so that frequencies up to four times the lattice's Nyquist frequency are seen.
