@@ -4,12 +4,15 @@
 //! Rows that run aslant would else wait for one cache line after the other.
 
 use std::array::from_fn;
+use std::mem::take;
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Block, Layout, OctreeNode, RowEvaluator, Target};
+use crate::array::{Array, Part};
 use crate::math::Aabb;
 use crate::volume::Sample;
 
@@ -25,42 +28,50 @@ pub struct BlockVoxels {
     /// Apron voxels on each side.
     pub apron: usize,
     /// Value times coverage.
-    pub premultiplied: Vec<f32>,
+    pub premultiplied: Part<f32>,
     /// Coverage; `None` where it is 1 throughout.
-    pub coverage: Option<Vec<f32>>,
+    pub coverage: Option<Part<f32>>,
 }
 
 impl BlockVoxels {
     /// Reconstructs `block` with `apron` voxels on each side, slabs of it in parallel.
     pub fn reconstruct(target: &Target, block: &Block, apron: usize) -> Self {
-        let dims = block.extent.map(|n| n + 2 * apron);
-        let plane = dims[0] * dims[1];
-        let mut premultiplied = vec![0.0; plane * dims[2]];
-        let mut coverage = vec![
-            0.0;
-            if block.layout == Layout::Mixed {
-                plane * dims[2]
-            } else {
-                0
-            }
-        ];
-        // An absent coverage still needs a slice for each slab.
-        let coverage_plane = if coverage.is_empty() { 0 } else { plane };
         let filler = Filler { target, block, apron };
-        let slabs = premultiplied.par_chunks_mut(plane * PART[2]).enumerate();
-        if coverage_plane == 0 {
-            slabs.for_each(|(n, values)| filler.fill(n * PART[2], values, None));
-        } else {
-            slabs
-                .zip(coverage.par_chunks_mut(coverage_plane * PART[2]))
-                .for_each(|((n, values), coverage)| filler.fill(n * PART[2], values, Some(coverage)));
-        }
-        Self {
-            dims,
-            apron,
-            premultiplied,
-            coverage: (coverage_plane > 0).then_some(coverage),
-        }
+        let mut numbers = vec![0.0; filler.len()];
+        filler.fill(&mut numbers);
+        filler.voxels(&Arc::new(numbers.into()), 0)
+    }
+
+    /// Reconstructs all blocks without aprons, in parallel, in memory that they share.
+    fn reconstruct_all(target: &Target) -> Vec<Self> {
+        let filler = |block| Filler {
+            target,
+            block,
+            apron: 0,
+        };
+        let fillers: Vec<_> = target.blocks.iter().map(filler).collect();
+        let mut numbers = Array::zeroed(fillers.iter().map(Filler::len).sum());
+        let mut rest = &mut numbers[..];
+        let pieces: Vec<_> = fillers
+            .iter()
+            .map(|filler| {
+                let (piece, after) = take(&mut rest).split_at_mut(filler.len());
+                rest = after;
+                (filler, piece)
+            })
+            .collect();
+        pieces.into_par_iter().for_each(|(filler, piece)| filler.fill(piece));
+        let numbers = Arc::new(numbers);
+        let starts = fillers.iter().scan(0, |end, filler| {
+            let start = *end;
+            *end += filler.len();
+            Some(start)
+        });
+        fillers
+            .iter()
+            .zip(starts)
+            .map(|(filler, start)| filler.voxels(&numbers, start))
+            .collect()
     }
 
     /// The sample stored at voxel `at` of the lattice, which lies in the block or its apron.
@@ -79,9 +90,49 @@ struct Filler<'a> {
 }
 
 impl Filler<'_> {
+    fn dims(&self) -> [usize; 3] {
+        self.block.extent.map(|n| n + 2 * self.apron)
+    }
+
+    /// Numbers that its voxels take: values, and after them coverages where there are any.
+    fn len(&self) -> usize {
+        let voxels: usize = self.dims().iter().product();
+        match self.block.layout {
+            Layout::Mixed => 2 * voxels,
+            Layout::Covered | Layout::Uniform => voxels,
+        }
+    }
+
+    /// The block's voxels, whose numbers begin at `start`.
+    fn voxels(&self, numbers: &Arc<Array<f32>>, start: usize) -> BlockVoxels {
+        let dims = self.dims();
+        let (middle, end) = (start + dims.iter().product::<usize>(), start + self.len());
+        BlockVoxels {
+            dims,
+            apron: self.apron,
+            premultiplied: Part::new(numbers, start..middle),
+            coverage: (middle < end).then(|| Part::new(numbers, middle..end)),
+        }
+    }
+
+    /// Fills the block's numbers, slabs of it in parallel.
+    fn fill(&self, numbers: &mut [f32]) {
+        let [width, height, _] = self.dims();
+        let slab = width * height * PART[2];
+        let (values, coverages) = numbers.split_at_mut(self.dims().iter().product());
+        let slabs = values.par_chunks_mut(slab).enumerate();
+        if coverages.is_empty() {
+            slabs.for_each(|(n, values)| self.fill_slab(n * PART[2], values, None));
+        } else {
+            slabs
+                .zip(coverages.par_chunks_mut(slab))
+                .for_each(|((n, values), coverages)| self.fill_slab(n * PART[2], values, Some(coverages)));
+        }
+    }
+
     /// Fills the slab of planes from `plane` on, part by part.
-    fn fill(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
-        let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
+    fn fill_slab(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
+        let [width, height, _] = self.dims();
         let planes = plane..plane + values.len() / (width * height);
         // Stored columns before the first and after the last one evaluated repeat it.
         let before = self.apron.saturating_sub(self.block.origin[0]);
@@ -114,7 +165,7 @@ impl Filler<'_> {
             |corners: [[usize; 3]; 2]| Aabb::of_points(corners.map(|c| DVec3::from_array(c.map(|n| n as f64))));
         evaluator.fetch(path, &box_of([start, from_fn(end)]));
         let [columns, rows, planes] = part;
-        let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
+        let [width, height, _] = self.dims();
         for k in planes.clone() {
             for j in rows.clone() {
                 let row = ((k - planes.start) * height + j) * width;
@@ -172,14 +223,9 @@ const SMALL: usize = 1 << 22;
 impl<'a> VoxelTarget<'a> {
     /// Reconstructs every block, without aprons.
     pub fn new(target: &'a Target) -> Self {
-        let voxels = target
-            .blocks
-            .par_iter()
-            .map(|block| BlockVoxels::reconstruct(target, block, 0))
-            .collect();
         let mut whole = Self {
             target,
-            voxels,
+            voxels: BlockVoxels::reconstruct_all(target),
             dense: Vec::new(),
         };
         if target.lattice.len() <= SMALL {
