@@ -249,3 +249,50 @@ fn every_scene_of_the_assets_is_read() {
         Scene::load(&path, &mut Recorder::default()).unwrap();
     }
 }
+
+/// A grey PNG of 2 x 2 pixels.
+fn grey_png(depth: png::BitDepth, color: png::ColorType, pixels: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(pixels).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+#[test]
+fn a_picture_is_a_table_of_two_values() {
+    use vcsg::model::ValueRule;
+    let lut = "lut first=\"0..1\" second=\"0..1\" image=\"t.png\" values=\"-1..1\"";
+    let folder = folder(&[(
+        "main.kdl",
+        &format!("scene {{ {lut}; sphere radius=1; sphere radius=2 }}"),
+    )]);
+    let grey = png::ColorType::Grayscale;
+    let wide = [0u16, 65535, 13107, 0].map(u16::to_be_bytes).concat();
+    for (depth, pixels) in [
+        (png::BitDepth::Eight, vec![0, 255, 51, 0]),
+        (png::BitDepth::Sixteen, wide),
+    ] {
+        fs::write(folder.path().join("t.png"), grey_png(depth, grey, &pixels)).unwrap();
+        let scene = load(&folder).unwrap();
+        let Some(Node::Combine(c)) = scene.model.nodes().last() else {
+            panic!("{:?}", scene.model.nodes());
+        };
+        let ValueRule::Table(table) = &c.rule else {
+            panic!("{:?}", c.rule);
+        };
+        assert_eq!(
+            table.values(),
+            [-1.0, 1.0, 0.8 * -1.0 + 0.2 * 1.0, -1.0],
+            "the top row first"
+        );
+    }
+    let coloured = grey_png(png::BitDepth::Eight, png::ColorType::Rgb, &[0; 12]);
+    fs::write(folder.path().join("t.png"), coloured).unwrap();
+    assert!(load(&folder).unwrap_err().to_string().contains("must be a grey PNG"));
+    fs::write(folder.path().join("t.png"), "no picture").unwrap();
+    assert!(load(&folder).unwrap_err().to_string().contains("cannot read the table"));
+}

@@ -2,11 +2,14 @@
 
 mod bounds;
 mod combine;
+mod lut;
 mod node;
 mod prune;
+mod rule;
 mod tree;
 
 pub use combine::Operator;
+pub use lut::{Lut, LutError};
 pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 pub use prune::{Boundary, Pruned};
 pub use tree::{FramePlane, Leaf, Source, Step, Tree, TreeError};

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
+use super::Lut;
 use crate::math::{Interval, Plane};
 use crate::volume::Bricks;
 use crate::voxelize::Primitive;
@@ -73,7 +74,7 @@ pub enum Family {
 }
 
 /// The binary mapping function `u(v₁, v₂)` of VCSG §2.3, used where both operands are present.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum ValueRule {
     /// v₁.
     #[default]
@@ -94,6 +95,14 @@ pub enum ValueRule {
     Average,
     /// t·v₁ + (1−t)·v₂ with t in [0, 1].
     Blend(f32),
+    /// v₁ + v₂ − v₁·v₂: WK94's union of densities, as values.
+    AlgebraicSum,
+    /// |v₁ − v₂|.
+    AbsoluteDifference,
+    /// v₁ / v₂, as IEEE 754 has it where v₂ is 0.
+    Quotient,
+    /// Looked up.
+    Table(Arc<Lut>),
 }
 
 /// A volume as a leaf.
@@ -221,7 +230,7 @@ impl Model {
         operands.into_iter().reduce(|first, second| {
             self.push(Node::Combine(Combine {
                 op,
-                rule,
+                rule: rule.clone(),
                 family,
                 first,
                 second,

@@ -254,7 +254,7 @@ impl Tree {
                 self.steps.push(Step::Combine(self.operators.len() as u32));
                 self.operators.push(Operator {
                     op: *op,
-                    rule: *rule,
+                    rule: rule.clone(),
                     family: *family,
                 });
             }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use miette::{Diagnostic, LabeledSpan, SourceCode, SourceSpan};
 
 use super::source::Source;
+use crate::model::LutError;
 use crate::projection::TransferError;
 
 /// Why a scene cannot be read: a [`Problem`] and the place that has it.
@@ -168,6 +169,12 @@ pub enum Problem {
     /// A transfer function that cannot be.
     #[error("transfer function: {0}")]
     Transfer(TransferError),
+    /// A table that cannot be.
+    #[error("the table cannot be: {0}")]
+    Table(LutError),
+    /// A picture that makes no table.
+    #[error("cannot read the table {0}")]
+    Picture(String),
     /// A volume that cannot be loaded.
     #[error("cannot load the volume {0}")]
     Volume(String),

@@ -43,7 +43,7 @@ pub(super) fn window(element: &Element) -> Result<Interval> {
 }
 
 /// `"lo..hi"`, either end of which may be missing.
-fn parse_window(value: Value) -> Result<Interval> {
+pub(super) fn parse_window(value: Value) -> Result<Interval> {
     let bad = || value.bad("a window like \"80..\", \"..200\" or \"80..200\"");
     let (lo, hi) = value.string()?.split_once("..").ok_or_else(bad)?;
     let end = |text: &str, missing| match text.trim() {

@@ -30,6 +30,7 @@ mod loader;
 mod maps;
 mod options;
 mod primitives;
+mod rules;
 mod source;
 mod suggest;
 mod surface;

@@ -20,6 +20,7 @@ use super::leaves;
 use super::loader::{MeshRequest, VolumeLoader, VolumeRequest};
 use super::maps;
 use super::primitives;
+use super::rules;
 use super::source::Source;
 use super::transforms;
 use crate::model::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
@@ -156,7 +157,7 @@ impl<'l> TreeBuilder<'l> {
     fn complement(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let everything = Primitive::crisp(Solid::Everything, primitives::value(&element)?);
         let first = self.model.push(Node::Primitive(everything));
-        let (op, rule, family) = (BooleanOp::Subtraction, ValueRule::First, family(&element)?);
+        let (op, rule, family) = (BooleanOp::Subtraction, ValueRule::First, rules::family(&element)?);
         let second = self.united(element, scope)?;
         Ok(self.model.push(Node::Combine(Combine {
             op,
@@ -171,7 +172,8 @@ impl<'l> TreeBuilder<'l> {
     fn repeated(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let step = transforms::step(&element)?;
         let count = element.require("count")?.whole(1, 100_000)?;
-        let (rule, family) = (value_rule(&element, ValueRule::First)?, family(&element)?);
+        let rule = rules::value_rule(&element, &scope.base_dir)?.unwrap_or_default();
+        let family = rules::family(&element)?;
         let child = self.united(element, scope)?;
         let mut copies = vec![child];
         let mut parent_from_child = DAffine3::IDENTITY;
@@ -222,18 +224,18 @@ impl<'l> TreeBuilder<'l> {
 
     /// The children of a set operation folded from the left; those of `scene` are united.
     fn combined(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let rule = rules::value_rule(&element, &scope.base_dir)?;
         let (op, least, wanted) = match element.name() {
             "intersect" => (BooleanOp::Intersection, 1, "at least one child"),
-            "subtract" => (BooleanOp::Subtraction, 2, "at least two children"),
-            "overlay" => (BooleanOp::SubtractionWithRule, 2, "at least two children"),
+            "subtract" if rule.is_none() => (BooleanOp::Subtraction, 2, "at least two children"),
+            "subtract" | "overlay" => (BooleanOp::SubtractionWithRule, 2, "at least two children"),
             _ => (BooleanOp::Union, 1, "at least one child"),
         };
-        let rule = match op {
-            BooleanOp::Subtraction => ValueRule::First,
-            BooleanOp::SubtractionWithRule => value_rule(&element, ValueRule::Second)?,
-            _ => value_rule(&element, ValueRule::First)?,
-        };
-        let family = family(&element)?;
+        let rule = rule.unwrap_or(match op {
+            BooleanOp::SubtractionWithRule => ValueRule::Second,
+            _ => ValueRule::First,
+        });
+        let family = rules::family(&element)?;
         let operands = self.children(element, scope)?;
         let too_few = || {
             let (node, found) = (element.name(), operands.len());
@@ -272,7 +274,7 @@ impl<'l> TreeBuilder<'l> {
         for child in element.children() {
             let child = child?;
             match child.name() {
-                "at" => {}
+                "at" | "lut" => {}
                 "define" => self.define(child, scope)?,
                 _ => ids.push(self.shape(child, scope)?),
             }
@@ -343,38 +345,5 @@ fn cycle(chain: &[PathBuf], again: &Path) -> Problem {
     Problem::IncludeCycle {
         path: name(again),
         chain: links.join(" → "),
-    }
-}
-
-const RULES: &[(&str, ValueRule)] = &[
-    ("first", ValueRule::First),
-    ("second", ValueRule::Second),
-    ("max", ValueRule::Max),
-    ("min", ValueRule::Min),
-    ("sum", ValueRule::Sum),
-    ("difference", ValueRule::Difference),
-    ("product", ValueRule::Product),
-    ("average", ValueRule::Average),
-];
-
-/// Property `family`.
-fn family(element: &Element) -> Result<Family> {
-    let families = [("minmax", Family::MinMax), ("product", Family::Product)];
-    element
-        .get("family")
-        .map_or(Ok(Family::default()), |v| v.one_of(&families))
-}
-
-/// Property `rule`: a name, or `"blend T"` with T in [0, 1].
-fn value_rule(element: &Element, default: ValueRule) -> Result<ValueRule> {
-    let Some(value) = element.get("rule") else {
-        return Ok(default);
-    };
-    let Some(share) = value.string()?.strip_prefix("blend") else {
-        return value.one_of(RULES);
-    };
-    match share.trim().parse() {
-        Ok(t) if (0.0..=1.0).contains(&t) => Ok(ValueRule::Blend(t)),
-        _ => Err(value.bad("like \"blend 0.5\", with a share in 0..1")),
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Interval, Plane};
-use vcsg::model::{BooleanOp, Family, Operator, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::model::{BooleanOp, Family, Lut, Operator, ValueMap, ValueRule, VolumeLeaf};
 use vcsg::volume::{Bricks, Grid, Voxels};
 use vcsg::voxelize::{Polyhedron, Primitive, Profile, Relief, RoundedBox, Solid, Thread, Waves};
 
@@ -209,7 +209,16 @@ pub fn value_map() -> impl Strategy<Value = ValueMap> {
     ]
 }
 
-/// Every Boolean operation with every value rule in both families.
+/// Tables of two values.
+pub fn lut() -> impl Strategy<Value = Lut> {
+    let axis = || (-100.0f32..100.0, 1.0f32..150.0).prop_map(|(lo, width)| Interval::new(lo, lo + width));
+    (axis(), axis(), 1usize..7, 1usize..7).prop_flat_map(|(first, second, width, height)| {
+        prop::collection::vec(-100.0f32..100.0, width * height)
+            .prop_map(move |values| Lut::new(first, second, width, values).expect("a sound table"))
+    })
+}
+
+/// Every Boolean operation with every value rule that keeps finite values finite, in both families.
 pub fn operator() -> impl Strategy<Value = Operator> {
     let op = prop::sample::select(vec![
         BooleanOp::Union,
@@ -219,7 +228,7 @@ pub fn operator() -> impl Strategy<Value = Operator> {
         BooleanOp::SubtractionWithRule,
     ]);
     let rule = prop_oneof![
-        8 => prop::sample::select(vec![
+        10 => prop::sample::select(vec![
             ValueRule::First,
             ValueRule::Second,
             ValueRule::Max,
@@ -228,8 +237,11 @@ pub fn operator() -> impl Strategy<Value = Operator> {
             ValueRule::Difference,
             ValueRule::Product,
             ValueRule::Average,
+            ValueRule::AlgebraicSum,
+            ValueRule::AbsoluteDifference,
         ]),
         1 => (0.0f32..=1.0).prop_map(ValueRule::Blend),
+        2 => lut().prop_map(|lut| ValueRule::Table(Arc::new(lut))),
     ];
     let family = prop::sample::select(vec![Family::MinMax, Family::Product]);
     (op, rule, family).prop_map(|(op, rule, family)| Operator { op, rule, family })

@@ -50,7 +50,7 @@ impl Builder {
             },
             Part::Combine(operator, first, second) => {
                 let (first, second) = (self.push(first), self.push(second));
-                Node::Combine(combination(*operator, first, second))
+                Node::Combine(combination(operator.clone(), first, second))
             }
             Part::Again(_) if self.made.is_empty() => ball(),
             Part::Again(which) => return *which.get(&self.made),
