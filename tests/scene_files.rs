@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use tempfile::TempDir;
-use vcsg::model::Node;
+use vcsg::math::Interval;
+use vcsg::model::{Admitted, Node};
 use vcsg::scene::{MAX_DEPTH, NoVolumes, Problem, Scene, SceneError, VolumeLoader, VolumeRequest};
 use vcsg::volume::io::ByteOrder;
 use vcsg::volume::{Bricks, Grid, Voxels};
@@ -197,6 +198,38 @@ fn a_volume_is_loaded_once_relative_to_its_file() {
     let windows: Vec<_> = scene.model.nodes().iter().filter_map(window).collect();
     assert_eq!(windows[1], (5.0, f32::INFINITY));
     assert_eq!(windows.len(), 3);
+}
+
+#[test]
+fn many_masks_of_one_volume_share_its_voxels() {
+    let organs: String = (1..=9)
+        .map(|label| format!("volume \"ct.nrrd\" mask=\"labels.nrrd\" label={label}; "))
+        .collect();
+    let text = format!("scene {{ {organs} mask \"labels.nrrd\" label=\"2..4\" value=30; mask \"ct.nrrd\" }}");
+    let mut recorder = Recorder::default();
+    let scene = Scene::parse("t.kdl", &text, Path::new("/d"), &mut recorder).unwrap();
+    assert_eq!(recorder.0.len(), 2, "each file once");
+    let (mut scans, mut masks) = (Vec::new(), Vec::new());
+    for node in scene.model.nodes() {
+        match node {
+            Node::Volume(leaf) => scans.push(&leaf.bricks),
+            Node::Mask(leaf) => masks.push(leaf),
+            _ => {}
+        }
+    }
+    assert_eq!((scans.len(), masks.len()), (9, 11));
+    assert!(scans.iter().all(|bricks| Arc::ptr_eq(bricks, scans[0])));
+    assert!(
+        masks[..10]
+            .iter()
+            .all(|mask| Arc::ptr_eq(&mask.bricks, &masks[0].bricks))
+    );
+    assert!(Arc::ptr_eq(&masks[10].bricks, scans[0]), "a scan may be a mask too");
+    let three = Admitted::Within(Interval::point(3.0));
+    assert_eq!((masks[2].admitted, masks[2].value), (three, 1.0));
+    let window = Admitted::Within(Interval::new(2.0, 4.0));
+    assert_eq!((masks[9].admitted, masks[9].value), (window, 30.0));
+    assert_eq!(masks[10].admitted, Admitted::NotZero);
 }
 
 #[test]

@@ -27,6 +27,7 @@ impl Model {
 fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
     match node {
         Node::Volume(leaf) => leaf.bricks.index_bounds().transformed(leaf.bricks.world_from_index()),
+        Node::Mask(leaf) => leaf.bricks.index_bounds().transformed(leaf.bricks.world_from_index()),
         Node::Primitive(primitive) => solid_bounds(&primitive.solid),
         Node::Transform {
             child,
@@ -78,7 +79,7 @@ impl Leaf {
                 Some(plane) => clip(&Aabb::ALL, &FramePlane::from(&plane).moved(&local_from_frame)),
                 None => self.local_bounds.transformed(&local_from_frame.inverse()),
             },
-            Source::Volume(_) => self.local_bounds.transformed(&local_from_frame.inverse()),
+            Source::Volume(_) | Source::Mask(_) => self.local_bounds.transformed(&local_from_frame.inverse()),
         }
     }
 }

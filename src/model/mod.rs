@@ -3,6 +3,7 @@
 mod bounds;
 mod combine;
 mod lut;
+mod mask;
 mod node;
 mod prune;
 mod rule;
@@ -10,6 +11,7 @@ mod tree;
 
 pub use combine::Operator;
 pub use lut::{Lut, LutError};
+pub use mask::{Admitted, MaskLeaf};
 pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 pub use prune::{Boundary, Pruned};
 pub use tree::{FramePlane, Leaf, Source, Step, Tree, TreeError};

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
-use super::Lut;
+use super::{Lut, MaskLeaf};
 use crate::math::{Interval, Plane};
 use crate::volume::Bricks;
 use crate::voxelize::Primitive;
@@ -134,6 +134,8 @@ pub struct Combine {
 pub enum Node {
     /// A scan.
     Volume(VolumeLeaf),
+    /// Where the voxels of a mask say.
+    Mask(MaskLeaf),
     /// A geometric primitive.
     Primitive(Primitive),
     /// The child moved by an invertible affine map, mirror and shear included.
@@ -165,7 +167,7 @@ impl Node {
     /// The node's children, first operand first.
     pub fn children(&self) -> impl Iterator<Item = NodeId> {
         let (first, second) = match self {
-            Self::Volume(_) | Self::Primitive(_) => (None, None),
+            Self::Volume(_) | Self::Mask(_) | Self::Primitive(_) => (None, None),
             Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
                 (Some(*child), None)
             }
@@ -178,7 +180,7 @@ impl Node {
     pub fn with_children(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
         let mut node = self.clone();
         match &mut node {
-            Self::Volume(_) | Self::Primitive(_) => {}
+            Self::Volume(_) | Self::Mask(_) | Self::Primitive(_) => {}
             Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
                 *child = new(*child)
             }

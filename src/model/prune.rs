@@ -129,7 +129,7 @@ impl Pruner<'_> {
         match (overlap, &leaf.source) {
             (Overlap::Partial, _) => range.coverage.lo = 0.0,
             (_, Source::Primitive(_)) => range.coverage = Interval::point(1.0),
-            (_, Source::Volume(_)) => {}
+            (_, Source::Volume(_) | Source::Mask(_)) => {}
         }
         self.push(range, step);
     }
@@ -286,7 +286,7 @@ impl Leaf {
         let margin = DVec3::splat(ROUNDING * (1.0 + scale));
         let hull = hull.expand(margin);
         match &self.source {
-            Source::Volume(_) => hull.overlap(&self.local_bounds),
+            Source::Volume(_) | Source::Mask(_) => hull.overlap(&self.local_bounds),
             Source::Primitive(placed) => placed.overlap(&hull, margin.x),
         }
     }
@@ -298,7 +298,7 @@ impl Leaf {
             return Overlap::Outside;
         }
         match &self.source {
-            Source::Volume(_) => Overlap::Inside,
+            Source::Volume(_) | Source::Mask(_) => Overlap::Inside,
             // Within a soft surface a block is neither, however small it is.
             Source::Primitive(placed) => match placed.coverage(local) {
                 0.0 => Overlap::Outside,
@@ -323,6 +323,7 @@ impl Leaf {
                     coverage: Interval::new(if all { 1.0 } else { 0.0 }, 1.0),
                 }
             }
+            Source::Mask(mask) => mask.range(local),
             Source::Primitive(placed) => SampleRange {
                 value: Interval::point(placed.value()),
                 coverage: placed.coverage_range(local),

@@ -10,9 +10,9 @@
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
-use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
+use super::{Combine, MaskLeaf, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
-use crate::volume::Sample;
+use crate::volume::{Bricks, Sample};
 use crate::voxelize::{Grade, Placed};
 
 /// One step of a flattened tree: pushes a sample, or replaces those on top of the stack.
@@ -35,6 +35,8 @@ pub enum Step {
 pub enum Source {
     /// Voxels; the local frame is the volume's index space.
     Volume(VolumeLeaf),
+    /// Voxels that say where something is; the local frame is their index space.
+    Mask(MaskLeaf),
     /// Geometry of one value; the local frame is the node's, or the world where that shows it better.
     Primitive(Box<Placed>),
 }
@@ -138,6 +140,7 @@ impl Leaf {
     pub fn sample_inside(&self, local: DVec3) -> Sample {
         match &self.source {
             Source::Volume(leaf) => leaf.admit(leaf.bricks.sample_index(local)),
+            Source::Mask(mask) => mask.sample(local),
             Source::Primitive(placed) => placed.sample(local),
         }
     }
@@ -222,15 +225,8 @@ impl Tree {
 
     fn write(&mut self, node: &Node, node_from_frame: &DAffine3, sampling: &Sampling) {
         match node {
-            Node::Volume(leaf) => {
-                let index_from_world = leaf.bricks.world_from_index().inverse();
-                let index_from_frame = index_from_world * *node_from_frame;
-                self.push_leaf(Leaf::new(
-                    Source::Volume(leaf.clone()),
-                    index_from_frame,
-                    leaf.bricks.index_bounds(),
-                ));
-            }
+            Node::Volume(leaf) => self.push_voxels(Source::Volume(leaf.clone()), &leaf.bricks, node_from_frame),
+            Node::Mask(leaf) => self.push_voxels(Source::Mask(leaf.clone()), &leaf.bricks, node_from_frame),
             Node::Primitive(primitive) => {
                 let world_from_node = sampling.world_from_frame * node_from_frame.inverse();
                 let mut placed = primitive.placed(&world_from_node, sampling.voxel_mm);
@@ -259,6 +255,12 @@ impl Tree {
                 });
             }
         }
+    }
+
+    /// A leaf in the index space of its voxels.
+    fn push_voxels(&mut self, source: Source, bricks: &Bricks, node_from_frame: &DAffine3) {
+        let index_from_frame = bricks.world_from_index().inverse() * *node_from_frame;
+        self.push_leaf(Leaf::new(source, index_from_frame, bricks.index_bounds()));
     }
 
     fn push_leaf(&mut self, leaf: Leaf) {

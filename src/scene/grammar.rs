@@ -118,9 +118,16 @@ pub(super) const SHAPES: &[Rule] = &[
     rule(
         "volume",
         1,
-        &["inside", "dims", "type", "spacing", "endian"],
+        &["inside", "mask", "label", "dims", "type", "spacing", "endian"],
         Leaf,
         "volume \"head.nii.gz\"",
+    ),
+    rule(
+        "mask",
+        1,
+        &["label", "value", "dims", "type", "spacing", "endian"],
+        Leaf,
+        "mask \"labels.nrrd\" label=3",
     ),
     rule(
         "sphere",

@@ -23,7 +23,7 @@ use super::primitives;
 use super::rules;
 use super::source::Source;
 use super::transforms;
-use crate::model::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
+use crate::model::{BooleanOp, Combine, Family, MaskLeaf, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use crate::volume::Bricks;
 use crate::voxelize::{Primitive, Solid, TriangleSolid};
 
@@ -92,6 +92,7 @@ impl<'l> TreeBuilder<'l> {
     fn shape_within_depth(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         match element.name() {
             "volume" => self.volume(element, scope),
+            "mask" => self.mask(element, scope),
             "mesh" => self.mesh(element, scope),
             "use" => reference(element, scope),
             "include" => self.include(element, scope),
@@ -193,7 +194,37 @@ impl<'l> TreeBuilder<'l> {
         let request = leaves::volume_request(&element, &scope.base_dir)?;
         let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
         let bricks = self.load(&request).map_err(fails)?;
-        Ok(self.model.push(Node::Volume(VolumeLeaf { bricks, window })))
+        let Some(request) = leaves::mask_request(&element, &scope.base_dir)? else {
+            return Ok(self.model.push(Node::Volume(VolumeLeaf { bricks, window })));
+        };
+        let admitted = leaves::admitted(&element)?;
+        let fails = |reason| element.error_of("mask", Problem::Volume(reason));
+        let mask = MaskLeaf {
+            bricks: self.load(&request).map_err(fails)?,
+            admitted,
+            value: 1.0,
+        };
+        let first = self.model.push(Node::Volume(VolumeLeaf { bricks, window }));
+        let second = self.model.push(Node::Mask(mask));
+        Ok(self.model.push(Node::Combine(Combine {
+            op: BooleanOp::Intersection,
+            rule: ValueRule::First,
+            family: Family::MinMax,
+            first,
+            second,
+        })))
+    }
+
+    fn mask(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
+        let (admitted, value) = (leaves::admitted(&element)?, primitives::value(&element)?);
+        let request = leaves::volume_request(&element, &scope.base_dir)?;
+        let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
+        let bricks = self.load(&request).map_err(fails)?;
+        Ok(self.model.push(Node::Mask(MaskLeaf {
+            bricks,
+            admitted,
+            value,
+        })))
     }
 
     fn load(&mut self, request: &VolumeRequest) -> std::result::Result<Arc<Bricks>, String> {

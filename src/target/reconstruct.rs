@@ -9,7 +9,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::math::{Aabb, Overlap, affine};
-use crate::model::{Leaf, Source, Step, Tree, VolumeLeaf};
+use crate::model::{Leaf, MaskLeaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
 
 /// The voxels `(x, y, z)`, `(x + 1, y, z)`, … as many as `len`.
@@ -91,11 +91,15 @@ impl<'a> RowEvaluator<'a> {
     /// Brings near what `path` reads of its volumes in a box of the lattice.
     pub fn fetch(&self, path: &[Step], bounds: &Aabb) {
         for step in path {
-            if let Step::LeafInside(index) | Step::Leaf(index) = step
-                && let leaf = self.tree.leaf(*index)
-                && let Source::Volume(volume) = &leaf.source
-            {
-                volume.bricks.fetch(&bounds.transformed(&leaf.local_from_frame));
+            let (Step::LeafInside(index) | Step::Leaf(index)) = step else {
+                continue;
+            };
+            let leaf = self.tree.leaf(*index);
+            match &leaf.source {
+                Source::Volume(VolumeLeaf { bricks, .. }) | Source::Mask(MaskLeaf { bricks, .. }) => {
+                    bricks.fetch(&bounds.transformed(&leaf.local_from_frame));
+                }
+                Source::Primitive(_) => {}
             }
         }
     }
@@ -233,7 +237,7 @@ impl Row {
     /// Fills the row from a leaf that holds all of it.
     fn fill_inside(&mut self, leaf: &Leaf, voxels: &Voxels) {
         match &leaf.source {
-            Source::Volume(_) => self.fill(leaf, voxels, 0..voxels.len),
+            Source::Volume(_) | Source::Mask(_) => self.fill(leaf, voxels, 0..voxels.len),
             Source::Primitive(placed) => {
                 self.value.fill(placed.value());
                 self.coverage.fill(1.0);
@@ -257,10 +261,10 @@ impl Row {
                     (*v, *c) = (s.value, s.coverage);
                 }
             }
-            Source::Primitive(placed) => {
+            Source::Mask(_) | Source::Primitive(_) => {
                 let local = voxels.in_leaf(leaf);
                 for (n, (v, c)) in values.iter_mut().zip(coverages).enumerate() {
-                    let s = placed.sample(local(n));
+                    let s = leaf.sample_inside(local(n));
                     (*v, *c) = (s.value, s.coverage);
                 }
             }

@@ -20,7 +20,7 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
                 let leaf = tree.leaf(i);
                 match &leaf.source {
                     Source::Primitive(placed) => Sample::solid(placed.value()),
-                    Source::Volume(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, p)),
+                    Source::Volume(_) | Source::Mask(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, p)),
                 }
             }
             Step::Leaf(i) => {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Interval, Plane};
-use vcsg::model::{BooleanOp, Family, Lut, Operator, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::model::{Admitted, BooleanOp, Family, Lut, MaskLeaf, Operator, ValueMap, ValueRule, VolumeLeaf};
 use vcsg::volume::{Bricks, Grid, Voxels};
 use vcsg::voxelize::{Polyhedron, Primitive, Profile, Relief, RoundedBox, Solid, Thread, Waves};
 
@@ -57,6 +57,15 @@ impl Scan {
         }
     }
 
+    /// Where some of the scan's values are, as a leaf.
+    pub fn mask(&self, admitted: Admitted) -> MaskLeaf {
+        MaskLeaf {
+            bricks: self.leaf().bricks,
+            admitted,
+            value: 55.0,
+        }
+    }
+
     /// Values in `[0, 256)`.
     fn values(&self) -> impl Iterator<Item = f32> {
         let Self { dims, texture, .. } = *self;
@@ -99,6 +108,11 @@ pub fn scan(placement: BoxedStrategy<DAffine3>) -> impl Strategy<Value = Scan> {
             window,
         },
     )
+}
+
+/// Masks of a value window, or of all but 0.
+pub fn admitted() -> impl Strategy<Value = Admitted> {
+    prop_oneof![1 => Just(Admitted::NotZero), 3 => window().prop_map(Admitted::Within)]
 }
 
 fn window() -> impl Strategy<Value = Interval> {

@@ -5,7 +5,9 @@ use std::fmt;
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Plane};
-use vcsg::model::{BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Tree, ValueMap, ValueRule};
+use vcsg::model::{
+    Admitted, BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Tree, ValueMap, ValueRule,
+};
 use vcsg::target::{Lattice, Subdivision, Target};
 use vcsg::voxelize::{Primitive, Solid};
 
@@ -15,6 +17,7 @@ use super::parts::{self, Scan};
 #[derive(Clone, Debug)]
 pub enum Part {
     Volume(Scan),
+    Mask(Scan, Admitted),
     Primitive(Primitive),
     Transform(Box<Part>, DAffine3),
     Transfer(Box<Part>, ValueMap),
@@ -35,6 +38,7 @@ impl Builder {
     fn push(&mut self, part: &Part) -> NodeId {
         let node = match part {
             Part::Volume(scan) => Node::Volume(scan.leaf()),
+            Part::Mask(scan, admitted) => Node::Mask(scan.mask(*admitted)),
             Part::Primitive(primitive) => Node::Primitive(primitive.clone()),
             Part::Transform(child, parent_from_child) => Node::Transform {
                 child: self.push(child),
@@ -172,7 +176,8 @@ fn tree(
     transforms: bool,
 ) -> impl Strategy<Value = Part> {
     let leaf = prop_oneof![
-        4 => parts::scan(placement).prop_map(Part::Volume),
+        4 => parts::scan(placement.clone()).prop_map(Part::Volume),
+        1 => (parts::scan(placement), parts::admitted()).prop_map(|(scan, admitted)| Part::Mask(scan, admitted)),
         3 => primitive.prop_map(Part::Primitive),
         1 => any::<prop::sample::Index>().prop_map(Part::Again),
     ];

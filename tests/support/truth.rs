@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Combine, Lut, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::model::{Admitted, BooleanOp, Combine, Lut, MaskLeaf, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 use vcsg::volume::Bricks;
 use vcsg::voxelize::Solid;
 
@@ -35,6 +35,7 @@ pub struct Undecided;
 pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
     match model.node(id) {
         Node::Volume(leaf) => volume(leaf, leaf.bricks.world_from_index().inverse().transform_point3(p)),
+        Node::Mask(leaf) => mask(leaf, leaf.bricks.world_from_index().inverse().transform_point3(p)),
         Node::Primitive(crisp) => Ok(side(depth_within(&crisp.solid, p))?.then_some(Bounded {
             value: f64::from(crisp.value),
             error: 0.0,
@@ -94,6 +95,28 @@ fn volume(leaf: &VolumeLeaf, p: DVec3) -> Truth {
         return Err(Undecided);
     }
     Ok(margins.iter().all(|&m| m > 0.0).then_some(v))
+}
+
+/// What the voxel says whose cell holds the point.
+fn mask(leaf: &MaskLeaf, p: DVec3) -> Truth {
+    let bricks = &leaf.bricks;
+    if !side(depth_in_box(&bricks.index_bounds(), p))? {
+        return Ok(None);
+    }
+    let nearest = p.round();
+    if ((p - nearest).abs().max_element() - 0.5).abs() <= NEAR {
+        return Err(Undecided);
+    }
+    let [i, j, k] = nearest.to_array().map(|n| n as usize);
+    let voxel = bricks.voxel(i, j, k);
+    let inside = match leaf.admitted {
+        Admitted::NotZero => voxel != 0.0 && !voxel.is_nan(),
+        Admitted::Within(Interval { lo, hi }) => lo <= voxel && voxel <= hi,
+    };
+    Ok(inside.then_some(Bounded {
+        value: f64::from(leaf.value),
+        error: 0.0,
+    }))
 }
 
 /// The trilinear interpolation at index-space point `p`; `None` next to a missing voxel.
