@@ -33,7 +33,7 @@ fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
             child,
             parent_from_child,
         } => boxes[child.index()].transformed(parent_from_child),
-        Node::Transfer { child, .. } => boxes[child.index()],
+        Node::Transfer { child, .. } | Node::Classify { child, .. } => boxes[child.index()],
         Node::Cut { child, plane } => clip(&boxes[child.index()], &FramePlane::from(plane)),
         Node::Combine(c) => combined(c.op, &boxes[c.first.index()], &boxes[c.second.index()]),
     }
@@ -55,12 +55,12 @@ impl Tree {
         for &step in self.steps() {
             match step {
                 Step::Leaf(i) | Step::LeafInside(i) => stack.push(self.leaf(i).bounds_in(tree_from_frame)),
-                Step::Map(_) => {}
+                Step::Map(_) | Step::Classify(_) => {}
                 Step::Cut(i) => {
                     let top = stack.pop().unwrap_or(Aabb::EMPTY);
                     stack.push(clip(&top, &self.cut(i).moved(tree_from_frame)));
                 }
-                Step::Combine(i) => {
+                Step::Combine(i) | Step::Blend(i) => {
                     let second = stack.pop().unwrap_or(Aabb::EMPTY);
                     let first = stack.pop().unwrap_or(Aabb::EMPTY);
                     stack.push(combined(self.operator(i).op, &first, &second));

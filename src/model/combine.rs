@@ -41,6 +41,21 @@ impl ValueMap {
     }
 }
 
+impl ValueMap {
+    /// The map of a sample: an absent one stays absent.
+    #[inline]
+    pub fn sample(&self, s: Sample) -> Sample {
+        if s.coverage > 0.0 {
+            Sample {
+                value: self.apply(s.value),
+                ..s
+            }
+        } else {
+            Sample::EMPTY
+        }
+    }
+}
+
 fn interpolate(points: &[(f32, f32)], v: f32) -> f32 {
     let after = points.partition_point(|p| p.0 <= v);
     match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
@@ -101,7 +116,7 @@ impl Operator {
         Sample { value, coverage }
     }
 
-    fn coverage(&self, c1: f32, c2: f32) -> f32 {
+    pub(super) fn coverage(&self, c1: f32, c2: f32) -> f32 {
         match self.op {
             BooleanOp::Union => self.family.or(c1, c2),
             BooleanOp::Intersection => self.family.and(c1, c2),
@@ -180,7 +195,7 @@ impl Operator {
 
 /// The mean of the values of three regions by their weights, of which one at least is above 0. What weighs nothing has no part in
 /// it, and values that are one number stay that number. Exchanging the first two changes no bit.
-fn weighted(alone: [(f32, f32); 2], both: (f32, f32)) -> f32 {
+pub(super) fn weighted(alone: [(f32, f32); 2], both: (f32, f32)) -> f32 {
     let [first, second] = alone;
     let one = [first, second, both].into_iter().filter(|part| part.0 > 0.0);
     let mut values = one.map(|part| part.1);

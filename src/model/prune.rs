@@ -88,7 +88,8 @@ impl Pruner<'_> {
             Step::LeafInside(i) => self.leaf(i, Overlap::Inside),
             Step::Map(i) => self.map(i),
             Step::Cut(i) => self.cut(i),
-            Step::Combine(i) => self.combine(i),
+            Step::Classify(i) => self.classify(i),
+            Step::Combine(i) | Step::Blend(i) => self.combine(i, step),
         }
     }
 
@@ -150,6 +151,14 @@ impl Pruner<'_> {
         }
     }
 
+    fn classify(&mut self, index: u32) {
+        let top = self.operands.last_mut().expect("a classifier has an operand");
+        if !top.is_empty() {
+            top.range.value = self.tree.classifier(index).range(top.range.value);
+            self.steps.push(Step::Classify(index));
+        }
+    }
+
     fn cut(&mut self, index: u32) {
         let top = self.operands.last().expect("a cut has an operand");
         if top.is_empty() {
@@ -178,7 +187,7 @@ impl Pruner<'_> {
         }
     }
 
-    fn combine(&mut self, index: u32) {
+    fn combine(&mut self, index: u32, step: Step) {
         let operator = self.tree.operator(index);
         let second = self.operands.pop().expect("an operator has two operands");
         let first = self.operands.pop().expect("an operator has two operands");
@@ -192,7 +201,7 @@ impl Pruner<'_> {
             }
             Kept::Both => {
                 self.replace_top(operator.range(&first.range, &second.range));
-                self.steps.push(Step::Combine(index));
+                self.steps.push(step);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Value rules: what `u(v₁, v₂)` is, and what it can be (VCSG §2.3).
 
-use super::ValueRule;
+use super::{Kind, ValueRule};
 use crate::math::Interval;
 
 impl ValueRule {
@@ -21,6 +21,7 @@ impl ValueRule {
             Self::AbsoluteDifference => (v1 - v2).abs(),
             Self::Quotient => v1 / v2,
             Self::Table(lut) => lut.at(v1, v2),
+            Self::Over | Self::Plus | Self::In | Self::Out | Self::Atop | Self::Xor => self.blend([v1], [v2])[0],
         }
     }
 
@@ -38,6 +39,18 @@ impl ValueRule {
         )
     }
 
+    /// Whether the rule combines samples of a kind.
+    pub fn is_for(&self, kind: Kind) -> bool {
+        let of_colors = matches!(
+            self,
+            Self::Over | Self::Plus | Self::In | Self::Out | Self::Atop | Self::Xor
+        );
+        match self {
+            Self::First | Self::Second => true,
+            _ => of_colors == (kind == Kind::Color),
+        }
+    }
+
     /// A conservative image of two ranges. Most rules are monotone in each argument, so that corners tell it exactly.
     pub fn range(&self, r1: Interval, r2: Interval) -> Interval {
         let corners = r1.map_corners(r2, |a, b| self.apply(a, b));
@@ -46,6 +59,9 @@ impl ValueRule {
             Self::AbsoluteDifference if !r1.intersect(r2).is_empty() => corners.hull(Interval::point(0.0)),
             Self::Quotient if r2.contains(0.0) && !r1.is_empty() => Interval::ALL,
             Self::AlgebraicSum if !corners.is_point() => widened_by_terms(corners, r1, r2),
+            Self::Over | Self::In | Self::Out | Self::Atop | Self::Xor if !corners.is_point() => {
+                widened_by_terms(corners, r1, r2)
+            }
             _ => corners,
         }
     }

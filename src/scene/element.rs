@@ -107,6 +107,11 @@ impl<'a> Element<'a> {
         nodes.iter().map(move |node| Element::new(node, groups, source))
     }
 
+    /// The line of the node's name, from 1.
+    pub fn line(&self) -> usize {
+        self.source.place(self.node.name().span().offset()).0
+    }
+
     /// An error at the node's name.
     pub fn error(&self, problem: Problem) -> SceneError {
         SceneError::at(self.source, self.node.name().span(), problem)

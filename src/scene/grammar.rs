@@ -11,6 +11,8 @@ pub(super) enum Children {
     ShapesAndTable,
     /// Nodes of the tree, and a table of two values.
     ShapesAndLut,
+    /// Nodes of the tree, and control points.
+    ShapesAndPoints,
     /// The rows of a table.
     Rows,
     /// Control points.
@@ -47,7 +49,7 @@ const fn rule(
     }
 }
 
-use Children::{Corners, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndTable};
+use Children::{Corners, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndPoints, ShapesAndTable};
 
 /// Nodes at the top of a file.
 pub(super) const TOP: &[Rule] = &[
@@ -281,6 +283,13 @@ pub(super) const SHAPES: &[Rule] = &[
         "map \"linear\" scale=2 { … }, map \"quadratic\" a=1 { … } or map \"table\" { at 0 0; at 100 255; … }",
     ),
     rule(
+        "classify",
+        0,
+        &["preset", "window", "level", "unit-mm"],
+        ShapesAndPoints,
+        "classify preset=\"ct-bone\" { … } or classify { point 300 opacity=0.2 color=\"#f0e0d0\"; … }",
+    ),
+    rule(
         "cut",
         0,
         &["point", "normal", "filter"],
@@ -334,6 +343,7 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::Shapes => &[SHAPES],
         Children::ShapesAndTable => &[SHAPES, AT],
         Children::ShapesAndLut => &[SHAPES, LUT],
+        Children::ShapesAndPoints => &[SHAPES, POINT],
         Children::Rows => &[ROW],
         Children::Points => &[POINT],
         Children::Corners => &[CORNER],

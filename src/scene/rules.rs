@@ -25,6 +25,12 @@ const RULES: &[(&str, ValueRule)] = &[
     ("algebraic-sum", ValueRule::AlgebraicSum),
     ("absolute-difference", ValueRule::AbsoluteDifference),
     ("quotient", ValueRule::Quotient),
+    ("over", ValueRule::Over),
+    ("plus", ValueRule::Plus),
+    ("in", ValueRule::In),
+    ("out", ValueRule::Out),
+    ("atop", ValueRule::Atop),
+    ("xor", ValueRule::Xor),
 ];
 
 /// The longest edge of a picture that is a table.

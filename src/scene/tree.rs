@@ -16,6 +16,7 @@ use super::error::{Problem, SceneError};
 use super::file;
 use super::grammar;
 use super::guard::{MAX_BYTES, MAX_DEPTH};
+use super::kinds;
 use super::leaves;
 use super::loader::{MeshRequest, VolumeLoader, VolumeRequest};
 use super::maps;
@@ -23,7 +24,7 @@ use super::primitives;
 use super::rules;
 use super::source::Source;
 use super::transforms;
-use crate::model::{BooleanOp, Combine, Family, MaskLeaf, Model, Node, NodeId, ValueRule, VolumeLeaf};
+use crate::model::{BooleanOp, Combine, Family, Kind, MaskLeaf, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use crate::volume::Bricks;
 use crate::voxelize::{Primitive, Solid, TriangleSolid};
 
@@ -46,6 +47,12 @@ pub(super) struct TreeBuilder<'l> {
 struct Scope {
     base_dir: PathBuf,
     defined: HashMap<String, NodeId>,
+}
+
+/// A child, and where it is written.
+struct Operand<'e> {
+    id: NodeId,
+    element: Element<'e>,
 }
 
 impl Scope {
@@ -98,6 +105,7 @@ impl<'l> TreeBuilder<'l> {
             "include" => self.include(element, scope),
             "union" | "intersect" | "subtract" | "overlay" => self.combined(element, scope),
             "map" => self.mapped(element, scope),
+            "classify" => self.classified(element, scope),
             "complement" => self.complement(element, scope),
             "repeat" => self.repeated(element, scope),
             "cut" => self.cut(element, scope),
@@ -173,9 +181,10 @@ impl<'l> TreeBuilder<'l> {
     fn repeated(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let step = transforms::step(&element)?;
         let count = element.require("count")?.whole(1, 100_000)?;
-        let rule = rules::value_rule(&element, &scope.base_dir)?.unwrap_or_default();
+        let rule = rules::value_rule(&element, &scope.base_dir)?;
         let family = rules::family(&element)?;
         let child = self.united(element, scope)?;
+        let rule = kinds::rule_for(&element, BooleanOp::Union, rule, element, self.model.kind(child))?;
         let mut copies = vec![child];
         let mut parent_from_child = DAffine3::IDENTITY;
         for _ in 1..count {
@@ -192,9 +201,10 @@ impl<'l> TreeBuilder<'l> {
     fn volume(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
         let window = leaves::window(&element)?;
         let request = leaves::volume_request(&element, &scope.base_dir)?;
+        let mask = leaves::mask_request(&element, &scope.base_dir)?;
         let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
         let bricks = self.load(&request).map_err(fails)?;
-        let Some(request) = leaves::mask_request(&element, &scope.base_dir)? else {
+        let Some(request) = mask else {
             return Ok(self.model.push(Node::Volume(VolumeLeaf { bricks, window })));
         };
         let admitted = leaves::admitted(&element)?;
@@ -262,19 +272,35 @@ impl<'l> TreeBuilder<'l> {
             "subtract" | "overlay" => (BooleanOp::SubtractionWithRule, 2, "at least two children"),
             _ => (BooleanOp::Union, 1, "at least one child"),
         };
-        let rule = rule.unwrap_or(match op {
-            BooleanOp::SubtractionWithRule => ValueRule::Second,
-            _ => ValueRule::First,
-        });
         let family = rules::family(&element)?;
         let operands = self.children(element, scope)?;
         let too_few = || {
             let (node, found) = (element.name(), operands.len());
             element.error(Problem::TooFewChildren { node, wanted, found })
         };
-        let enough = (operands.len() >= least).then_some(&operands);
-        let folded = enough.and_then(|o| self.model.fold(op, rule, family, o.iter().copied()));
-        folded.ok_or_else(too_few)
+        if operands.len() < least {
+            return Err(too_few());
+        }
+        self.folded(element, (op, rule, family), &operands)?.ok_or_else(too_few)
+    }
+
+    /// Operands of one kind folded by a rule for them, which is `rule` if there is one.
+    fn folded(
+        &mut self,
+        element: Element,
+        (op, rule, family): (BooleanOp, Option<ValueRule>, Family),
+        operands: &[Operand],
+    ) -> Result<Option<NodeId>> {
+        let Some((first, others)) = operands.split_first() else {
+            return Ok(None);
+        };
+        let kind = self.model.kind(first.id);
+        for other in others {
+            kinds::require_one(first.element, kind, other.element, self.model.kind(other.id))?;
+        }
+        let rule = kinds::rule_for(&element, op, rule, first.element, kind)?;
+        let ids = operands.iter().map(|operand| operand.id);
+        Ok(self.model.fold(op, rule, family, ids))
     }
 
     fn mapped(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
@@ -286,31 +312,56 @@ impl<'l> TreeBuilder<'l> {
             }
         }
         let map = maps::value_map(&element, &points)?;
-        let child = self.united(element, scope)?;
+        let child = self.united_values(element, scope)?;
         Ok(self.model.push(Node::Transfer { child, map }))
+    }
+
+    fn classified(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let transfer = Arc::new(kinds::transfer_function(&element)?);
+        let child = self.united_values(element, scope)?;
+        Ok(self.model.push(Node::Classify { child, transfer }))
+    }
+
+    /// All children as one node of values.
+    fn united_values(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let children = self.children(element, scope)?;
+        let colored = children.iter().find(|child| self.model.kind(child.id) == Kind::Color);
+        if let Some(child) = colored {
+            return Err(element.error(Problem::WantsValues {
+                node: element.name(),
+                child: child.element.name(),
+                line: child.element.line(),
+            }));
+        }
+        self.united_of(element, &children)
     }
 
     /// All children as one node.
     fn united(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let children = self.children(element, scope)?;
-        let united = self
-            .model
-            .fold(BooleanOp::Union, ValueRule::First, Family::default(), children);
+        self.united_of(element, &children)
+    }
+
+    fn united_of(&mut self, element: Element, children: &[Operand]) -> Result<NodeId> {
+        let united = self.folded(element, (BooleanOp::Union, None, Family::default()), children)?;
         let (node, wanted) = (element.name(), "at least one child");
         united.ok_or_else(|| element.error(Problem::TooFewChildren { node, wanted, found: 0 }))
     }
 
-    fn children(&mut self, element: Element, scope: &mut Scope) -> Result<Vec<NodeId>> {
-        let mut ids = Vec::new();
+    fn children<'e>(&mut self, element: Element<'e>, scope: &mut Scope) -> Result<Vec<Operand<'e>>> {
+        let mut operands = Vec::new();
         for child in element.children() {
             let child = child?;
             match child.name() {
-                "at" | "lut" => {}
+                "at" | "lut" | "point" => {}
                 "define" => self.define(child, scope)?,
-                _ => ids.push(self.shape(child, scope)?),
+                _ => operands.push(Operand {
+                    id: self.shape(child, scope)?,
+                    element: child,
+                }),
             }
         }
-        Ok(ids)
+        Ok(operands)
     }
 
     fn define(&mut self, element: Element, scope: &mut Scope) -> Result<()> {

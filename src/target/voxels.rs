@@ -28,6 +28,8 @@ pub struct BlockVoxels {
     pub premultiplied: Vec<f32>,
     /// Coverage; `None` where it is 1 throughout.
     pub coverage: Option<Vec<f32>>,
+    /// In a target of colours, whose values are opacities: red, green and blue times opacity and coverage.
+    pub rgb: Option<Vec<[f32; 3]>>,
 }
 
 impl BlockVoxels {
@@ -35,40 +37,52 @@ impl BlockVoxels {
     pub fn reconstruct(target: &Target, block: &Block, apron: usize) -> Self {
         let dims = block.extent.map(|n| n + 2 * apron);
         let plane = dims[0] * dims[1];
-        let mut premultiplied = vec![0.0; plane * dims[2]];
-        let mut coverage = vec![
-            0.0;
-            if block.layout == Layout::Mixed {
-                plane * dims[2]
-            } else {
-                0
-            }
-        ];
-        // An absent coverage still needs a slice for each slab.
-        let coverage_plane = if coverage.is_empty() { 0 } else { plane };
-        let filler = Filler { target, block, apron };
-        let slabs = premultiplied.par_chunks_mut(plane * PART[2]).enumerate();
-        if coverage_plane == 0 {
-            slabs.for_each(|(n, values)| filler.fill(n * PART[2], values, None));
-        } else {
-            slabs
-                .zip(coverage.par_chunks_mut(coverage_plane * PART[2]))
-                .for_each(|((n, values), coverage)| filler.fill(n * PART[2], values, Some(coverage)));
-        }
-        Self {
+        let len = plane * dims[2];
+        let mut voxels = Self {
             dims,
             apron,
+            premultiplied: vec![0.0; len],
+            coverage: (block.layout == Layout::Mixed).then(|| vec![0.0; len]),
+            rgb: target.tree.has_colors().then(|| vec![[0.0; 3]; len]),
+        };
+        let filler = Filler { target, block, apron };
+        let slabs: Vec<Slab> = voxels.slabs(plane * PART[2]).collect();
+        slabs
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(n, slab)| filler.fill(n * PART[2], slab));
+        voxels
+    }
+
+    /// Their parts of `len` voxels.
+    fn slabs(&mut self, len: usize) -> impl Iterator<Item = Slab<'_>> {
+        let mut coverage = self.coverage.as_mut().map(|all| all.chunks_mut(len));
+        let mut rgb = self.rgb.as_mut().map(|all| all.chunks_mut(len));
+        self.premultiplied.chunks_mut(len).map(move |premultiplied| Slab {
             premultiplied,
-            coverage: (coverage_plane > 0).then_some(coverage),
-        }
+            coverage: coverage.as_mut().and_then(Iterator::next),
+            rgb: rgb.as_mut().and_then(Iterator::next),
+        })
+    }
+
+    /// The place of voxel `at` of the lattice, which lies in the block or its apron.
+    fn index(&self, origin: [usize; 3], at: [usize; 3]) -> usize {
+        let [i, j, k]: [usize; 3] = from_fn(|a| at[a] + self.apron - origin[a]);
+        i + self.dims[0] * (j + self.dims[1] * k)
     }
 
     /// The sample stored at voxel `at` of the lattice, which lies in the block or its apron.
     fn premultiplied_at(&self, origin: [usize; 3], at: [usize; 3]) -> (f32, f32) {
-        let [i, j, k]: [usize; 3] = from_fn(|a| at[a] + self.apron - origin[a]);
-        let n = i + self.dims[0] * (j + self.dims[1] * k);
+        let n = self.index(origin, at);
         (self.premultiplied[n], self.coverage.as_ref().map_or(1.0, |c| c[n]))
     }
+}
+
+/// Some planes of a block's voxels.
+struct Slab<'a> {
+    premultiplied: &'a mut [f32],
+    coverage: Option<&'a mut [f32]>,
+    rgb: Option<&'a mut [[f32; 3]]>,
 }
 
 /// Fills the stored voxels of a block, those of its apron included.
@@ -80,9 +94,9 @@ struct Filler<'a> {
 
 impl Filler<'_> {
     /// Fills the slab of planes from `plane` on, part by part.
-    fn fill(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
+    fn fill(&self, plane: usize, mut slab: Slab) {
         let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
-        let planes = plane..plane + values.len() / (width * height);
+        let planes = plane..plane + slab.premultiplied.len() / (width * height);
         // Stored columns before the first and after the last one evaluated repeat it.
         let before = self.apron.saturating_sub(self.block.origin[0]);
         let inside = before..before + self.lattice(0, width - 1) + 1 - self.lattice(0, 0);
@@ -90,23 +104,20 @@ impl Filler<'_> {
         for rows in parts(0..height, PART[1]) {
             for columns in parts(inside.clone(), PART[0]) {
                 let part = [columns, rows.clone(), planes.clone()];
-                self.fill_part(&mut evaluator, part, values, coverage.as_deref_mut());
+                self.fill_part(&mut evaluator, part, &mut slab);
             }
         }
-        repeat_ends(values, width, &inside);
-        if let Some(coverage) = coverage {
+        repeat_ends(slab.premultiplied, width, &inside);
+        if let Some(coverage) = slab.coverage {
             repeat_ends(coverage, width, &inside);
+        }
+        if let Some(rgb) = slab.rgb {
+            repeat_ends(rgb, width, &inside);
         }
     }
 
     /// Fills some columns of some rows of a slab of planes.
-    fn fill_part(
-        &self,
-        evaluator: &mut RowEvaluator,
-        part: [Range<usize>; 3],
-        values: &mut [f32],
-        mut coverage: Option<&mut [f32]>,
-    ) {
+    fn fill_part(&self, evaluator: &mut RowEvaluator, part: [Range<usize>; 3], slab: &mut Slab) {
         let path = self.target.path(self.block);
         let end = |axis: usize| self.lattice(axis, part[axis].end - 1);
         let start: [usize; 3] = from_fn(|axis| self.lattice(axis, part[axis].start));
@@ -123,9 +134,12 @@ impl Filler<'_> {
                     path,
                     start[0]..start[0] + columns.len(),
                     [self.lattice(1, j), self.lattice(2, k)],
-                    &mut values[out.clone()],
-                    coverage.as_mut().map(|c| &mut c[out]),
+                    &mut slab.premultiplied[out.clone()],
+                    slab.coverage.as_mut().map(|c| &mut c[out.clone()]),
                 );
+                if let Some(rgb) = &mut slab.rgb {
+                    evaluator.premultiplied_rgb(&mut rgb[out]);
+                }
             }
         }
     }
@@ -144,7 +158,7 @@ fn parts(all: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// Repeats the first and last number of `inside` on both sides of it, in each row.
-fn repeat_ends(rows: &mut [f32], width: usize, inside: &Range<usize>) {
+fn repeat_ends<T: Copy>(rows: &mut [T], width: usize, inside: &Range<usize>) {
     if inside.len() == width {
         return;
     }
@@ -212,6 +226,19 @@ impl<'a> VoxelTarget<'a> {
             Some(b) => self.voxels[b].premultiplied_at(self.target.blocks[b].origin, at),
             None => (0.0, 0.0),
         }
+    }
+
+    /// Red, green and blue times opacity and coverage of voxel `at` of a target of colours, else black; beyond the lattice its
+    /// outermost voxels go on.
+    pub fn rgb(&self, at: [i64; 3]) -> [f32; 3] {
+        let dims = self.target.lattice.dims;
+        let at: [usize; 3] = from_fn(|a| at[a].clamp(0, dims[a] as i64 - 1) as usize);
+        let Some(b) = self.target.block_at(at) else {
+            return [0.0; 3];
+        };
+        let voxels = &self.voxels[b];
+        let n = voxels.index(self.target.blocks[b].origin, at);
+        voxels.rgb.as_ref().map_or([0.0; 3], |rgb| rgb[n])
     }
 
     /// The eight voxels round lattice point `p`, bit `a` of the index being the higher one on axis `a`, and the fractions

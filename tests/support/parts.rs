@@ -5,7 +5,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Interval, Plane};
-use vcsg::model::{Admitted, BooleanOp, Family, Lut, MaskLeaf, Operator, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::model::{
+    Admitted, BooleanOp, ControlPoint, Family, Lut, MaskLeaf, Operator, TransferFunction, ValueMap, ValueRule,
+    VolumeLeaf,
+};
 use vcsg::volume::{Bricks, Grid, Voxels};
 use vcsg::voxelize::{Polyhedron, Primitive, Profile, Relief, RoundedBox, Solid, Thread, Waves};
 
@@ -259,6 +262,43 @@ pub fn operator() -> impl Strategy<Value = Operator> {
     ];
     let family = prop::sample::select(vec![Family::MinMax, Family::Product]);
     (op, rule, family).prop_map(|(op, rule, family)| Operator { op, rule, family })
+}
+
+/// Every Boolean operation with every rule of colours, in both families.
+pub fn color_operator() -> impl Strategy<Value = Operator> {
+    let op = prop::sample::select(vec![
+        BooleanOp::Union,
+        BooleanOp::Union,
+        BooleanOp::Intersection,
+        BooleanOp::Subtraction,
+        BooleanOp::SubtractionWithRule,
+    ]);
+    let rule = prop::sample::select(vec![
+        ValueRule::First,
+        ValueRule::Second,
+        ValueRule::Over,
+        ValueRule::Plus,
+        ValueRule::In,
+        ValueRule::Out,
+        ValueRule::Atop,
+        ValueRule::Xor,
+    ]);
+    let family = prop::sample::select(vec![Family::MinMax, Family::Product]);
+    (op, rule, family).prop_map(|(op, rule, family)| Operator { op, rule, family })
+}
+
+/// Transfer functions of the values that volumes and primitives have, often with transparent stretches.
+pub fn transfer() -> impl Strategy<Value = TransferFunction> {
+    let opacity = prop_oneof![2 => Just(0.0f32), 2 => 0.0f32..=1.0, 1 => Just(1.0f32)];
+    let point = (-120.0f32..260.0, prop::array::uniform3(0.0f32..=1.0), opacity);
+    let unit_mm = prop_oneof![Just(1.0), 0.3f64..5.0];
+    (prop::collection::vec(point, 1..6), unit_mm).prop_map(|(mut points, unit_mm)| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let points = points
+            .into_iter()
+            .map(|(value, color, opacity)| ControlPoint { value, color, opacity });
+        TransferFunction::new(points.collect(), unit_mm).expect("a valid function")
+    })
 }
 
 /// Whole-voxel shifts of some 12 voxels.

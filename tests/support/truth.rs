@@ -45,6 +45,8 @@ pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
             parent_from_child,
         } => sample(model, *child, parent_from_child.inverse().transform_point3(p)),
         Node::Transfer { child, map } => Ok(sample(model, *child, p)?.map(|v| mapped(map, v))),
+        // No opacity is a value of a definition.
+        Node::Classify { .. } => Err(Undecided),
         Node::Cut { child, plane } => {
             let kept = side(-(plane.normal.dot(p) + plane.offset))?;
             Ok(sample(model, *child, p)?.filter(|_| kept))
@@ -241,6 +243,9 @@ fn joined(rule: &ValueRule, a: Bounded, b: Bounded) -> Bounded {
             let least = (w.abs() - b.error).max(0.0);
             let slope = (a.error + (v / w).abs() * b.error) / least;
             (v / w, slope + EPSILON * ((v / w).abs() + slope))
+        }
+        ValueRule::Over | ValueRule::Plus | ValueRule::In | ValueRule::Out | ValueRule::Atop | ValueRule::Xor => {
+            unreachable!("rules of colours in a scene of values")
         }
         ValueRule::Table(lut) => return tabulated(lut, a, b),
     };
