@@ -3,8 +3,8 @@
 #include "interface.glsl"
 
 layout(constant_id = 0) const uint MODE = 0;
-// Whether texels hold value times coverage and coverage (normals apart), or a value (in a lit target its normal beside it).
-layout(constant_id = 1) const bool MIXED = false;
+// What texels are; normals are beside values alone.
+layout(constant_id = 1) const uint TEXELS = TEXELS_VALUES;
 // 0 is unlit.
 layout(constant_id = 2) const uint LIGHTS = 0;
 layout(constant_id = 3) const uint SHININESS_LOG2 = 4;
@@ -22,22 +22,36 @@ layout(location = 2) flat in float cue;
 layout(location = 3) flat in vec4 material;
 layout(location = 4) flat in vec4 lights[MAX_LIGHTS];
 layout(location = 9) flat in vec4 half_ways[MAX_LIGHTS];
+// The thickness of a slab in the unit lengths that opacities of colours hold for.
+layout(location = 14) flat in float slab_units;
 
 // Slices write no depth, so that what is discarded may be tested first.
 layout(early_fragment_tests) in;
 
 layout(location = 0) out vec4 color;
 
+const bool MIXED = TEXELS == TEXELS_MIXED;
+
+// A premultiplied colour of a path that is so many times as long.
+vec4 lengthened(vec4 c, float times) {
+    if (c.a > 0.0) {
+        float longer = 1.0 - pow(max(1.0 - c.a, 0.0), times);
+        c = vec4(c.rgb * (longer / c.a), longer);
+    }
+    return c;
+}
+
 // Premultiplied colour and opacity of one slab of ray.
 vec4 classify(float fraction, float path_per_depth) {
     // The middle of the entry; the sampler clamps to the first and the last one.
     const float ENTRY = 1.0 / float(TABLE_LEN);
     vec4 c = texture(table, fraction * (1.0 - ENTRY) + 0.5 * ENTRY);
-    if (PERSPECTIVE && c.a > 0.0) {
-        float longer = 1.0 - pow(max(1.0 - c.a, 0.0), path_per_depth);
-        c = vec4(c.rgb * (longer / c.a), longer);
-    }
-    return c;
+    return PERSPECTIVE ? lengthened(c, path_per_depth) : c;
+}
+
+// Likewise of a colour that is classified already. Filtering may round it above its opacity.
+vec4 colored(vec4 stored, float path_per_depth) {
+    return lengthened(vec4(min(stored.rgb, stored.a), stored.a), slab_units * path_per_depth);
 }
 
 // A normal of stored numbers, of which 32768 stands for 0.
@@ -64,7 +78,9 @@ void main() {
         return;
     }
     // Where nothing is covered the quotient is any number, and its colour weighs nothing.
-    vec4 c = classify(MIXED ? weighted / max(coverage, 1e-6) : weighted, path_per_depth);
+    vec4 c = TEXELS == TEXELS_COLORS
+        ? colored(stored, path_per_depth)
+        : classify(MIXED ? weighted / max(coverage, 1e-6) : weighted, path_per_depth);
     // What shows nothing need not be blended, nor lit.
     if (c.a == 0.0) {
         discard;
@@ -79,7 +95,7 @@ void main() {
         light = vec2(1.0, 0.0);
         break;
     default:
-        light = respond(normal((MIXED ? texture(normals, texture_at) : stored).gba));
+        light = respond(normal((TEXELS == TEXELS_VALUES ? stored : texture(normals, texture_at)).gba));
     }
     color = vec4(cue * (light.x * c.rgb + light.y * c.a), c.a) * coverage;
 }

@@ -18,6 +18,7 @@ layout(location = 2) flat out float cue;
 layout(location = 3) flat out vec4 material;
 layout(location = 4) flat out vec4 lights[MAX_LIGHTS];
 layout(location = 9) flat out vec4 half_ways[MAX_LIGHTS];
+layout(location = 14) flat out float slab_units;
 
 void main() {
     SliceData slice = slices[gl_VertexIndex / MAX_VERTICES];
@@ -29,6 +30,7 @@ void main() {
     float depth_mm = b.origin.w + slice.t_mm;
     texture_at = b.texture_origin.xyz + b.texture_size.xyz * unit;
     ray_slope = PERSPECTIVE ? eye / depth_mm : vec2(0.0);
+    slab_units = frame.cue.w;
     cue = 1.0 - frame.cue.z * clamp((depth_mm - frame.cue.x) * frame.cue.y, 0.0, 1.0);
     switch (LIGHTS) {
     case 0:

@@ -76,6 +76,12 @@ constants! {
     pub const TABLE_LEN: u32 = 4096;
     /// What lets less than one part in so many of the light pass hides all that is behind it.
     pub const HIDES_ALL_BUT: u32 = 1024;
+    /// Texels are values, in a lit target with normals beside them.
+    pub const TEXELS_VALUES: u32 = 0;
+    /// Texels are value times coverage, and coverage.
+    pub const TEXELS_MIXED: u32 = 1;
+    /// Texels are colour times opacity and coverage, and opacity times coverage.
+    pub const TEXELS_COLORS: u32 = 2;
     /// Emission and absorption.
     pub const MODE_COMPOSITE: u32 = 0;
     /// Largest value.
@@ -107,7 +113,8 @@ structures! {
         /// Normalised device coordinates for each millimetre (parallel) or for each unit of slope, along x and y; then factor and
         /// summand of the depth that is tested, see `src/render/depths.rs`.
         pub lens: Vec4,
-        /// Depth at which the depth cue begins, one over the depth that it spans, and its strength.
+        /// Depth at which the depth cue begins, one over the depth that it spans, and its strength; then the thickness of a slab in the
+        /// unit lengths that opacities of colours hold for.
         pub cue: Vec4,
         /// Ambient, diffuse and specular factors.
         pub material: Vec4,

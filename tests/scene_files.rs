@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use tempfile::TempDir;
-use vcsg::model::Node;
+use vcsg::math::Interval;
+use vcsg::model::{Admitted, Node};
 use vcsg::scene::{MAX_DEPTH, NoVolumes, Problem, Scene, SceneError, VolumeLoader, VolumeRequest};
 use vcsg::volume::io::ByteOrder;
 use vcsg::volume::{Bricks, Grid, Voxels};
@@ -200,6 +201,38 @@ fn a_volume_is_loaded_once_relative_to_its_file() {
 }
 
 #[test]
+fn many_masks_of_one_volume_share_its_voxels() {
+    let organs: String = (1..=9)
+        .map(|label| format!("volume \"ct.nrrd\" mask=\"labels.nrrd\" label={label}; "))
+        .collect();
+    let text = format!("scene {{ {organs} mask \"labels.nrrd\" label=\"2..4\" value=30; mask \"ct.nrrd\" }}");
+    let mut recorder = Recorder::default();
+    let scene = Scene::parse("t.kdl", &text, Path::new("/d"), &mut recorder).unwrap();
+    assert_eq!(recorder.0.len(), 2, "each file once");
+    let (mut scans, mut masks) = (Vec::new(), Vec::new());
+    for node in scene.model.nodes() {
+        match node {
+            Node::Volume(leaf) => scans.push(&leaf.bricks),
+            Node::Mask(leaf) => masks.push(leaf),
+            _ => {}
+        }
+    }
+    assert_eq!((scans.len(), masks.len()), (9, 11));
+    assert!(scans.iter().all(|bricks| Arc::ptr_eq(bricks, scans[0])));
+    assert!(
+        masks[..10]
+            .iter()
+            .all(|mask| Arc::ptr_eq(&mask.bricks, &masks[0].bricks))
+    );
+    assert!(Arc::ptr_eq(&masks[10].bricks, scans[0]), "a scan may be a mask too");
+    let three = Admitted::Within(Interval::point(3.0));
+    assert_eq!((masks[2].admitted, masks[2].value), (three, 1.0));
+    let window = Admitted::Within(Interval::new(2.0, 4.0));
+    assert_eq!((masks[9].admitted, masks[9].value), (window, 30.0));
+    assert_eq!(masks[10].admitted, Admitted::NotZero);
+}
+
+#[test]
 fn a_volume_that_fails_says_where_it_was_asked_for() {
     let text = "scene {\n    volume \"bad.nrrd\"\n}";
     let error = Scene::parse("t.kdl", text, Path::new("/d"), &mut Recorder::default()).unwrap_err();
@@ -248,4 +281,47 @@ fn every_scene_of_the_assets_is_read() {
     for path in scenes {
         Scene::load(&path, &mut Recorder::default()).unwrap();
     }
+}
+
+/// A grey PNG of 2 x 2 pixels.
+fn grey_png(depth: png::BitDepth, color: png::ColorType, pixels: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(pixels).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+#[test]
+fn a_picture_is_a_table_of_two_values() {
+    use vcsg::model::ValueRule;
+    let lut = "lut first=\"0..1\" second=\"0..1\" image=\"t.png\" values=\"-1..1\"";
+    let folder = folder(&[(
+        "main.kdl",
+        &format!("scene {{ {lut}; sphere radius=1; sphere radius=2 }}"),
+    )]);
+    let grey = png::ColorType::Grayscale;
+    let wide = [0u16, 65535, 13107, 0].map(u16::to_be_bytes).concat();
+    for (depth, pixels) in [
+        (png::BitDepth::Eight, vec![0, 255, 51, 0]),
+        (png::BitDepth::Sixteen, wide),
+    ] {
+        fs::write(folder.path().join("t.png"), grey_png(depth, grey, &pixels)).unwrap();
+        let scene = load(&folder).unwrap();
+        let Some(Node::Combine(c)) = scene.model.nodes().last() else {
+            panic!("{:?}", scene.model.nodes());
+        };
+        let ValueRule::Table(table) = &c.rule else {
+            panic!("{:?}", c.rule);
+        };
+        assert_eq!(table.values(), [-1.0, 1.0, 0.2 - 0.8, -1.0], "the top row first");
+    }
+    let coloured = grey_png(png::BitDepth::Eight, png::ColorType::Rgb, &[0; 12]);
+    fs::write(folder.path().join("t.png"), coloured).unwrap();
+    assert!(load(&folder).unwrap_err().to_string().contains("must be a grey PNG"));
+    fs::write(folder.path().join("t.png"), "no picture").unwrap();
+    assert!(load(&folder).unwrap_err().to_string().contains("cannot read the table"));
 }

@@ -84,6 +84,9 @@ fn value_rules_have_their_names() {
         ("difference", ValueRule::Difference),
         ("product", ValueRule::Product),
         ("average", ValueRule::Average),
+        ("algebraic-sum", ValueRule::AlgebraicSum),
+        ("absolute-difference", ValueRule::AbsoluteDifference),
+        ("quotient", ValueRule::Quotient),
         ("blend 0.25", ValueRule::Blend(0.25)),
     ] {
         assert_eq!(rule_of(&format!("rule=\"{text}\""), "union"), rule);
@@ -91,6 +94,34 @@ fn value_rules_have_their_names() {
     }
     assert_eq!(rule_of("", "intersect"), ValueRule::First);
     assert_eq!(rule_of("", "overlay"), ValueRule::Second);
+}
+
+#[test]
+fn a_subtraction_with_a_rule_is_the_general_one() {
+    let combine = |attributes: &str| match nodes(&format!("subtract {attributes} {{ {BALL}; {BALL} }}")).pop() {
+        Some(Node::Combine(c)) => (c.op, c.rule),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(combine(""), (BooleanOp::Subtraction, ValueRule::First));
+    assert_eq!(
+        combine("rule=\"max\""),
+        (BooleanOp::SubtractionWithRule, ValueRule::Max)
+    );
+}
+
+#[test]
+fn a_table_is_a_rule() {
+    let lut = "lut first=\"0..2\" second=\"0..1\" { row \"0 1 2\"; row \"10,11,12\" }";
+    for name in ["union", "intersect", "subtract", "overlay", "repeat count=2"] {
+        let Some(Node::Combine(c)) = nodes(&format!("{name} {{ {BALL}; {lut}; {BALL} }}")).pop() else {
+            panic!("{name} does not combine");
+        };
+        let ValueRule::Table(table) = c.rule else {
+            panic!("{name} has {:?}", c.rule);
+        };
+        assert_eq!(table.axes(), [Interval::new(0.0, 2.0), Interval::new(0.0, 1.0)]);
+        assert_eq!((table.at(1.0, 1.0), table.at(2.0, 0.0)), (11.0, 2.0));
+    }
 }
 
 #[test]

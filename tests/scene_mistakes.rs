@@ -117,6 +117,51 @@ const IN_SCENE: &[Mistake] = &[
     ),
     ("union rule=\"blend 2\" { sphere radius=1 }", 11, "with a share in 0..1"),
     (
+        "union rule=\"max\" { lut first=\"0..1\" second=\"0..1\" { row \"1\" } }",
+        11,
+        "a `lut` is the rule itself",
+    ),
+    (
+        "union { lut first=\"0..1\" second=\"0..1\" { row \"1 2\"; row \"1\" } }",
+        61,
+        "as long as the row above it",
+    ),
+    (
+        "union { lut first=\"0..1\" second=\"0..1\" { row \"1 x\" } }",
+        50,
+        "a string of finite numbers",
+    ),
+    (
+        "union { lut first=\"0..1\" second=\"0..1\" }",
+        13,
+        "or at least one `row`",
+    ),
+    (
+        "union { lut first=\"1..1\" second=\"0..1\" { row \"1\" } }",
+        13,
+        "must rise",
+    ),
+    (
+        "union { lut first=\"0..1\" { row \"1\" } }",
+        13,
+        "needs the property `second`",
+    ),
+    (
+        "union { lut first=\"0..1\" second=\"0..1\" values=\"0..1\" { row \"1\" } }",
+        44,
+        "`values` says what black and white",
+    ),
+    (
+        "union { lut first=\"0..1\" second=\"0..1\" image=\"no.png\" values=\"0..1\" }",
+        44,
+        "cannot read the table ./no.png",
+    ),
+    (
+        "union { lut first=\"0..1\" second=\"0..1\" { row \"1\" }; lut first=\"0..1\" second=\"0..1\" { row \"1\" } }",
+        57,
+        "`lut` is given twice",
+    ),
+    (
         "translate { sphere radius=1 }",
         5,
         "`translate` takes 1 argument(s), and 0 are given",
@@ -175,6 +220,10 @@ const IN_SCENE: &[Mistake] = &[
     ("volume \"a.raw\" type=\"u8\"", 20, "go with `dims`"),
     ("volume \"a.nrrd\" inside=\"80\"", 21, "a window like"),
     ("volume \"a.nrrd\" inside=\"9..1\"", 21, "a window like"),
+    ("volume \"a.nrrd\" label=3", 21, "which part of a `mask`"),
+    ("mask \"a.nrrd\" label=#true", 19, "a number, or a window"),
+    ("mask \"a.nrrd\" inside=\"1..\"", 19, "`mask` has no property `inside`"),
+    ("mask \"a.nrrd\" label=1", 10, "cannot load the volume"),
     ("point 0 opacity=0 color=\"#000000\"", 5, "unknown node `point`"),
     ("sphere radius=", 19, "Expected property value"),
     ("sphere radius=1 =", 21, "`=` does not belong here"),

@@ -97,6 +97,10 @@ impl Overrides {
     }
 
     fn apply_transfer(&self, scene: &mut Scene) -> Result<(), CliError> {
+        if scene.has_colors() && (self.preset.is_some() || self.window.is_some()) {
+            let why = "the scene's samples are colours, by its `classify` nodes: --preset and --window have no values to show";
+            return Err(CliError::Usage(why.into()));
+        }
         if let Some(name) = &self.preset {
             let preset = presets::named(name).ok_or_else(|| unknown_preset(name))?;
             scene.transfer = Some(TransferSpec {

@@ -14,13 +14,14 @@ use crate::projection::{EMPTY_BELOW, FrameSpec};
 use crate::target::{Layout, Target, VoxelTarget};
 
 /// Fraction of the value range times coverage, coverage, and the least and the most that the three parts of the soft normal
-/// in the world may have been stored as.
-type Channels = [f64; 8];
+/// in the world may have been stored as; of colours, whose values are opacities, red, green and blue times opacity and coverage.
+type Channels = [f64; 11];
 
 const WEIGHTED: usize = 0;
 const COVERAGE: usize = 1;
 const NORMAL_LO: usize = 2;
 const NORMAL_HI: usize = 5;
+const RGB: usize = 8;
 
 /// All voxels of a target.
 pub(super) struct VoxelField {
@@ -41,6 +42,8 @@ pub(super) struct Hull {
     pub coverage: Span,
     /// Fraction of the value range where coverage is above 0.
     pub fraction: Span,
+    /// Red, green and blue times opacity and coverage, of colours.
+    pub rgb: [Span; 3],
     /// The soft normal in the world.
     pub normal: [Span; 3],
     /// Whether it may be read from texels that store coverage.
@@ -63,7 +66,17 @@ impl VoxelField {
         if let Some(normals) = StoredNormals::of(spec) {
             field.add_normals(&normals, &places);
         }
+        if spec.target.tree.has_colors() {
+            field.add_colors(&voxels, &places);
+        }
         field
+    }
+
+    fn add_colors(&mut self, voxels: &VoxelTarget, places: &[[i64; 3]]) {
+        for (voxel, &at) in self.voxels.iter_mut().zip(places) {
+            voxel[RGB..].copy_from_slice(&voxels.rgb(at).map(f64::from));
+        }
+        self.channels = RGB + 3;
     }
 
     fn add_normals(&mut self, normals: &StoredNormals, places: &[[i64; 3]]) {
@@ -73,9 +86,9 @@ impl VoxelField {
             .collect();
         for (voxel, normal) in self.voxels.iter_mut().zip(stored) {
             voxel[NORMAL_LO..NORMAL_HI].copy_from_slice(&normal.map(|part| part.lo));
-            voxel[NORMAL_HI..].copy_from_slice(&normal.map(|part| part.hi));
+            voxel[NORMAL_HI..RGB].copy_from_slice(&normal.map(|part| part.hi));
         }
-        self.channels = NORMAL_HI + 3;
+        self.channels = RGB;
     }
 
     fn half_differences(&self, at: [i64; 3]) -> DVec3 {
@@ -100,6 +113,7 @@ impl VoxelField {
             weighted: Span::EMPTY,
             coverage: Span::EMPTY,
             fraction: Span::EMPTY,
+            rgb: [Span::EMPTY; 3],
             normal: [Span::EMPTY; 3],
             mixed: self.may_be_mixed(region),
             crisp: true,
@@ -140,6 +154,9 @@ impl Hull {
             let stored = Span::new(sample[NORMAL_LO + n], sample[NORMAL_HI + n]);
             *span = span.hull(stored);
         }
+        for (n, span) in self.rgb.iter_mut().enumerate() {
+            *span = span.with(sample[RGB + n]);
+        }
     }
 }
 
@@ -160,7 +177,7 @@ fn value_and_coverage(voxels: &VoxelTarget, at: [i64; 3]) -> Channels {
     } else {
         0.0
     };
-    let mut channels = [0.0; 8];
+    let mut channels = [0.0; 11];
     channels[WEIGHTED] = weighted;
     channels[COVERAGE] = coverage;
     channels

@@ -19,6 +19,8 @@ pub(super) struct Sources<'a> {
     storage: Storage,
     /// Error of a filtered value and of a filtered coverage: steps of the format, and of single precision.
     sum: f64,
+    /// See [`FrameSpec::slab_units`].
+    slab_units: Option<f64>,
     near_mm: f64,
     far_mm: f64,
 }
@@ -40,6 +42,7 @@ impl<'a> Sources<'a> {
                 .map(|shading| LightSpans::new(spec.camera, shading, precision)),
             storage: *storage,
             sum: precision.sum_steps * Storage::STEP + precision.sum,
+            slab_units: spec.slab_units(),
             near_mm: depth_mm[0],
             far_mm: depth_mm[1],
         }
@@ -52,11 +55,10 @@ impl<'a> Sources<'a> {
         if !mode.classifies() {
             return accumulated(mode, &filtered, path);
         }
-        let coverage = filtered.coverage;
-        let mut entry = self.table.over(filtered.fraction);
-        if matches!(self.spec.camera.lens, Lens::Perspective { .. }) {
-            entry = lengthened(&entry, path);
-        }
+        let (entry, coverage) = match self.slab_units {
+            Some(units) => (self.colored(hull, path.scaled(units).relaxed(2.0 * ULP)), Span::ONE),
+            None => (self.classified(filtered.fraction, path), filtered.coverage),
+        };
         let [r, g, b, alpha] = entry;
         let alpha_covered = (alpha * coverage).relaxed(2.0 * ULP);
         if mode == Mode::XRay {
@@ -70,6 +72,26 @@ impl<'a> Sources<'a> {
         // Three products and a sum, and the product with the cue and with the coverage.
         let lit = |c: Span| ((factor * c + highlight * alpha) * cue * coverage).relaxed(6.0 * ULP);
         [lit(r), lit(g), lit(b), alpha_covered]
+    }
+
+    fn classified(&self, fraction: Span, path: Span) -> Spans {
+        let entry = self.table.over(fraction);
+        match self.spec.camera.lens {
+            Lens::Perspective { .. } => lengthened(&entry, path),
+            Lens::Orthographic { .. } => entry,
+        }
+    }
+
+    /// A filtered colour, which the shader keeps at or below its opacity, over a path of so many unit lengths.
+    fn colored(&self, hull: &Hull, units: Span) -> Spans {
+        let by = self.sum + self.storage.rounding;
+        let alpha = hull.weighted.widened(by).not_negative();
+        let below = |c: Span| {
+            let c = c.widened(by).not_negative();
+            Span::new(c.lo.min(alpha.lo), c.hi.min(alpha.hi))
+        };
+        let [r, g, b] = hull.rgb.map(below);
+        lengthened(&[r, g, b, alpha], units)
     }
 
     fn filtered(&self, hull: &Hull) -> Filtered {
@@ -126,16 +148,19 @@ fn quotient(hull: &Hull, by: f64, coverage_by: f64) -> Span {
     hull.fraction.widened(error).relaxed(3.0 * ULP)
 }
 
-/// A table entry for a path `path` times as long: `α' = 1 − (1−α)^path`, colour scaled by `α'/α`, which falls as α rises.
+/// A colour for a path `path` times as long: `α' = 1 − (1−α)^path`, colour scaled by `α'/α`, which falls as α rises if `path` is
+/// above 1, and else rises; it always rises with `path`.
 ///
 /// The power is `exp2(path · log2(1 − α))`. Vulkan lets log2 be off by 2⁻²¹ in [0.5, 2] and by 3 units elsewhere, and exp2
 /// by 3 + 2|x| units. No colour is above its α, so an error of α' is at most as large in the colour.
 fn lengthened([r, g, b, alpha]: &Spans, path: Span) -> Spans {
     let longer = |a: f64, path: f64| 1.0 - (1.0 - a).max(0.0).powf(path);
     let scale = |a: f64, path: f64| if a > 0.0 { longer(a, path) / a } else { path };
-    let error = power_error(alpha.hi, path.hi).max(power_error(alpha.lo, path.hi));
+    let error = power_error(*alpha, path);
+    let least = scale(alpha.hi, path.lo).min(scale(alpha.lo, path.lo));
+    let most = scale(alpha.hi, path.hi).max(scale(alpha.lo, path.hi));
     let color = |c: Span| {
-        Span::new(c.lo * scale(alpha.hi, path.lo), c.hi * scale(alpha.lo, path.hi))
+        Span::new(c.lo * least, c.hi * most)
             .widened(error)
             .relaxed(5.0 * ULP)
             .not_negative()
@@ -144,19 +169,20 @@ fn lengthened([r, g, b, alpha]: &Spans, path: Span) -> Spans {
     [color(*r), color(*g), color(*b), opacity.widened(error).not_negative()]
 }
 
-/// The most that (1 − α)^path is off.
-fn power_error(alpha: f64, path: f64) -> f64 {
-    let through = (1.0 - alpha).clamp(0.0, 1.0);
-    if through == 0.0 {
+/// The most that 1 − (1 − α)^path is off: relative to the power the more, the smaller 1 − α is, and by no more than its largest value
+/// times that. What is below 1 in single precision is so by 2⁻²⁴ at least, and the power of 0 is exact.
+fn power_error(alpha: Span, path: Span) -> f64 {
+    let [least, most] = [alpha.hi, alpha.lo].map(|a| (1.0 - a).clamp(0.0, 1.0));
+    if most == 0.0 {
         return 0.0;
     }
-    let log = through.log2();
+    let log = least.max(0.5f64.powi(24)).log2();
     let log_error = (3.0 * ULP * log.abs()).max(0.5f64.powi(21)) + ULP;
-    let exponent = path * log;
-    let exponent_error = path * log_error + ULP * exponent.abs();
+    let exponent = path.hi * log;
+    let exponent_error = path.hi * log_error + ULP * exponent.abs();
     let relative = exponent_error * std::f64::consts::LN_2 + (3.0 + 2.0 * exponent.abs()) * ULP;
     // And the difference from 1.
-    exponent.exp2() * relative + ULP
+    most.powf(path.lo) * relative + ULP
 }
 
 #[cfg(test)]
@@ -164,7 +190,35 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// The span of a colour over a longer path, which holds that of a colour in between.
+    fn held(alpha: f64, width: f64, shade: f64, path: f64, t: f64) -> Result<Spans, TestCaseError> {
+        let spans = [shade, shade, shade, 1.0].map(|c| Span::new(alpha, alpha + width).scaled(c));
+        let entry = [shade, shade, shade, 1.0].map(|c| (alpha + t * width) * c);
+        let longer_alpha = 1.0 - (1.0 - entry[3]).powf(path);
+        let exact = entry.map(|c| c * longer_alpha / entry[3].max(1e-300));
+        let longer = lengthened(&spans, Span::around(path, 1e-3));
+        for (span, c) in longer.into_iter().zip(exact) {
+            prop_assert!(span.lo <= c && c <= span.hi, "{c} is not in {span:?}");
+        }
+        Ok(longer)
+    }
+
     proptest! {
+        #[test]
+        fn a_shorter_path_of_a_member_is_in_the_shorter_path_of_the_span(
+            alpha in 0.0f64..0.99,
+            width in 0.0f64..0.01,
+            shade in 0.0f64..=1.0,
+            path in 0.05f64..1.0,
+            t in 0.0f64..=1.0,
+        ) {
+            let shorter = held(alpha, width, shade, path, t)?;
+            let end = |a: f64, by: f64| 1.0 - (1.0 - a).powf(path + by);
+            // Beside the exact ends, the errors of a power whose exponent is at most 24: below 2⁻¹⁴ each.
+            let exact = end(alpha + width, 1e-3) - end(alpha, -1e-3);
+            prop_assert!(shorter[3].width() <= exact + 0.5f64.powi(13), "{shorter:?}");
+        }
+
         #[test]
         fn a_longer_path_of_a_member_is_in_the_longer_path_of_the_span(
             alpha in 0.0f64..0.99,
@@ -173,14 +227,7 @@ mod tests {
             path in 1.0f64..1.5,
             t in 0.0f64..=1.0,
         ) {
-            let spans = [shade, shade, shade, 1.0].map(|c| Span::new(alpha, alpha + width).scaled(c));
-            let entry = [shade, shade, shade, 1.0].map(|c| (alpha + t * width) * c);
-            let longer_alpha = 1.0 - (1.0 - entry[3]).powf(path);
-            let exact = entry.map(|c| c * longer_alpha / entry[3].max(1e-300));
-            let longer = lengthened(&spans, Span::around(path, 1e-3));
-            for (span, c) in longer.into_iter().zip(exact) {
-                prop_assert!(span.lo <= c && c <= span.hi, "{c} is not in {span:?}");
-            }
+            let longer = held(alpha, width, shade, path, t)?;
             prop_assert!(longer[3].width() < 2.0 * width + 1e-2);
         }
     }

@@ -27,12 +27,13 @@ impl Model {
 fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
     match node {
         Node::Volume(leaf) => leaf.bricks.index_bounds().transformed(leaf.bricks.world_from_index()),
+        Node::Mask(leaf) => leaf.bricks.index_bounds().transformed(leaf.bricks.world_from_index()),
         Node::Primitive(primitive) => solid_bounds(&primitive.solid),
         Node::Transform {
             child,
             parent_from_child,
         } => boxes[child.index()].transformed(parent_from_child),
-        Node::Transfer { child, .. } => boxes[child.index()],
+        Node::Transfer { child, .. } | Node::Classify { child, .. } => boxes[child.index()],
         Node::Cut { child, plane } => clip(&boxes[child.index()], &FramePlane::from(plane)),
         Node::Combine(c) => combined(c.op, &boxes[c.first.index()], &boxes[c.second.index()]),
     }
@@ -54,12 +55,12 @@ impl Tree {
         for &step in self.steps() {
             match step {
                 Step::Leaf(i) | Step::LeafInside(i) => stack.push(self.leaf(i).bounds_in(tree_from_frame)),
-                Step::Map(_) => {}
+                Step::Map(_) | Step::Classify(_) => {}
                 Step::Cut(i) => {
                     let top = stack.pop().unwrap_or(Aabb::EMPTY);
                     stack.push(clip(&top, &self.cut(i).moved(tree_from_frame)));
                 }
-                Step::Combine(i) => {
+                Step::Combine(i) | Step::Blend(i) => {
                     let second = stack.pop().unwrap_or(Aabb::EMPTY);
                     let first = stack.pop().unwrap_or(Aabb::EMPTY);
                     stack.push(combined(self.operator(i).op, &first, &second));
@@ -78,7 +79,7 @@ impl Leaf {
                 Some(plane) => clip(&Aabb::ALL, &FramePlane::from(&plane).moved(&local_from_frame)),
                 None => self.local_bounds.transformed(&local_from_frame.inverse()),
             },
-            Source::Volume(_) => self.local_bounds.transformed(&local_from_frame.inverse()),
+            Source::Volume(_) | Source::Mask(_) => self.local_bounds.transformed(&local_from_frame.inverse()),
         }
     }
 }

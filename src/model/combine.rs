@@ -1,4 +1,4 @@
-//! The arithmetic of one node: value maps, value rules and Boolean combination (design §3).
+//! The arithmetic of one node: value maps and Boolean combination (design §3).
 
 use super::{BooleanOp, Family, ValueMap, ValueRule};
 use crate::math::Interval;
@@ -41,6 +41,21 @@ impl ValueMap {
     }
 }
 
+impl ValueMap {
+    /// The map of a sample: an absent one stays absent.
+    #[inline]
+    pub fn sample(&self, s: Sample) -> Sample {
+        if s.coverage > 0.0 {
+            Sample {
+                value: self.apply(s.value),
+                ..s
+            }
+        } else {
+            Sample::EMPTY
+        }
+    }
+}
+
 fn interpolate(points: &[(f32, f32)], v: f32) -> f32 {
     let after = points.partition_point(|p| p.0 <= v);
     match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
@@ -50,34 +65,15 @@ fn interpolate(points: &[(f32, f32)], v: f32) -> f32 {
     }
 }
 
-impl ValueRule {
-    /// `u(v₁, v₂)`.
-    pub fn apply(self, v1: f32, v2: f32) -> f32 {
-        match self {
-            Self::First => v1,
-            Self::Second => v2,
-            Self::Max => v1.max(v2),
-            Self::Min => v1.min(v2),
-            Self::Sum => v1 + v2,
-            Self::Difference => v1 - v2,
-            Self::Product => v1 * v2,
-            Self::Average => 0.5 * v1 + 0.5 * v2,
-            Self::Blend(t) => t * v1 + (1.0 - t) * v2,
-        }
-    }
-
-    /// The image of two ranges: every rule is monotone in each argument, so its corners tell it exactly.
-    pub fn range(self, r1: Interval, r2: Interval) -> Interval {
-        r1.map_corners(r2, |a, b| self.apply(a, b))
-    }
-}
-
 impl Family {
     fn or(self, c1: f32, c2: f32) -> f32 {
         match self {
             Self::MinMax => c1.max(c2),
-            // c₁+c₂−c₁c₂, written so that an absent operand leaves the other's bits.
-            Self::Product => c1 + c2 * (1.0 - c1),
+            // c₁+c₂−c₁c₂, written so that an absent operand leaves the other's bits, and so that the order does not matter.
+            Self::Product => {
+                let (more, less) = (c1.max(c2), c1.min(c2));
+                more + less * (1.0 - more)
+            }
         }
     }
 
@@ -90,7 +86,7 @@ impl Family {
 }
 
 /// A Boolean operation with its value rule and coverage family: a binary node without its operands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Operator {
     /// The set operation.
     pub op: BooleanOp,
@@ -120,7 +116,7 @@ impl Operator {
         Sample { value, coverage }
     }
 
-    fn coverage(&self, c1: f32, c2: f32) -> f32 {
+    pub(super) fn coverage(&self, c1: f32, c2: f32) -> f32 {
         match self.op {
             BooleanOp::Union => self.family.or(c1, c2),
             BooleanOp::Intersection => self.family.and(c1, c2),
@@ -132,31 +128,25 @@ impl Operator {
     /// v₁, v₂ and u weighted by how much of the point lies in the first only, the second only, and both.
     fn region_value(&self, first: Sample, second: Sample) -> f32 {
         let (c1, c2) = (first.coverage, second.coverage);
-        let only_second = (1.0 - c1) * c2;
-        let joint = self.overlaid_value(first, second);
-        if only_second <= 0.0 || joint == second.value {
-            return joint;
-        }
         if c1 <= 0.0 {
             return second.value;
         }
-        // `joint` stands for the regions c₁(1−c₂) and c₁c₂ together, whose weights sum to c₁.
-        (c1 * joint + only_second * second.value) / (c1 + only_second)
+        if c2 <= 0.0 {
+            return first.value;
+        }
+        let u = self.rule.apply(first.value, second.value);
+        let alone = [(1.0 - c2) * c1, (1.0 - c1) * c2];
+        weighted([(alone[0], first.value), (alone[1], second.value)], (c1 * c2, u))
     }
 
     /// v₁ where the second is absent, u where it is present.
     fn overlaid_value(&self, first: Sample, second: Sample) -> f32 {
-        if first.coverage <= 0.0 {
-            return second.value;
-        }
-        if second.coverage <= 0.0 {
+        let c2 = second.coverage;
+        if c2 <= 0.0 {
             return first.value;
         }
         let u = self.rule.apply(first.value, second.value);
-        if second.coverage >= 1.0 || u == first.value {
-            return u;
-        }
-        (1.0 - second.coverage) * first.value + second.coverage * u
+        weighted([(1.0 - c2, first.value), (0.0, second.value)], (c2, u))
     }
 
     /// A conservative range of the combination.
@@ -192,7 +182,7 @@ impl Operator {
                 alone.hull(second_alone).hull(both)
             }
         };
-        // Soft regions mix these values: three products, two sums and a quotient, each rounded.
+        // Soft regions mix these values: three weights and products, four sums and a quotient, each rounded.
         let soft = |r: &SampleRange| r.coverage.hi < 1.0 || (r.coverage.lo > 0.0 && r.coverage.lo < 1.0);
         let crisp = |r: &SampleRange| r.coverage.is_point() && !soft(r);
         if hull.is_point() || (crisp(first) && crisp(second)) {
@@ -201,6 +191,20 @@ impl Operator {
             hull.widen_ulps(8.0)
         }
     }
+}
+
+/// The mean of the values of three regions by their weights, of which one at least is above 0. What weighs nothing has no part in
+/// it, and values that are one number stay that number. Exchanging the first two changes no bit.
+pub(super) fn weighted(alone: [(f32, f32); 2], both: (f32, f32)) -> f32 {
+    let [first, second] = alone;
+    let one = [first, second, both].into_iter().filter(|part| part.0 > 0.0);
+    let mut values = one.map(|part| part.1);
+    let value = values.next().unwrap_or(both.1);
+    if values.all(|other| other == value) {
+        return value;
+    }
+    let part = |(weight, value): (f32, f32)| if weight > 0.0 { weight * value } else { 0.0 };
+    (part(first) + part(second) + part(both)) / (first.0 + second.0 + both.0)
 }
 
 /// The values that each operand can show where the other is not full.

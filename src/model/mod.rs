@@ -1,12 +1,21 @@
 //! The Volumetric CSG tree: what it is made of, what it evaluates to, and where it can be (VCSG §2).
 
 mod bounds;
+mod color;
 mod combine;
+mod lut;
+mod mask;
 mod node;
 mod prune;
+mod rule;
+mod transfer;
 mod tree;
 
+pub use color::{Classifier, ColorSample};
 pub use combine::Operator;
-pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
+pub use lut::{Lut, LutError};
+pub use mask::{Admitted, MaskLeaf};
+pub use node::{BooleanOp, Combine, Family, Kind, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 pub use prune::{Boundary, Pruned};
+pub use transfer::{ControlPoint, TransferError, TransferFunction};
 pub use tree::{FramePlane, Leaf, Source, Step, Tree, TreeError};

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
+use super::{Lut, MaskLeaf, TransferFunction};
 use crate::math::{Interval, Plane};
 use crate::volume::Bricks;
 use crate::voxelize::Primitive;
@@ -73,7 +74,7 @@ pub enum Family {
 }
 
 /// The binary mapping function `u(v₁, v₂)` of VCSG §2.3, used where both operands are present.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum ValueRule {
     /// v₁.
     #[default]
@@ -94,6 +95,35 @@ pub enum ValueRule {
     Average,
     /// t·v₁ + (1−t)·v₂ with t in [0, 1].
     Blend(f32),
+    /// v₁ + v₂ − v₁·v₂: WK94's union of densities, as values.
+    AlgebraicSum,
+    /// |v₁ − v₂|.
+    AbsoluteDifference,
+    /// v₁ / v₂, as IEEE 754 has it where v₂ is 0.
+    Quotient,
+    /// Looked up.
+    Table(Arc<Lut>),
+    /// Of colours (Porter and Duff): the first over the second. Of values, as of opacities, v₁ + v₂·(1−v₁).
+    Over,
+    /// Of colours: their sum, at most 1.
+    Plus,
+    /// Of colours: the first where the second is opaque.
+    In,
+    /// Of colours: the first where the second lets through.
+    Out,
+    /// Of colours: the first over the second, where the second is opaque.
+    Atop,
+    /// Of colours: each where the other lets through.
+    Xor,
+}
+
+/// What a node's samples are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Numbers.
+    Value,
+    /// Colours with opacity.
+    Color,
 }
 
 /// A volume as a leaf.
@@ -120,11 +150,24 @@ pub struct Combine {
     pub second: NodeId,
 }
 
+impl Combine {
+    /// Whether values are those of the first operand, and only the second one's shape counts.
+    pub fn uses_first_alone(&self) -> bool {
+        match self.op {
+            BooleanOp::Subtraction => true,
+            BooleanOp::Intersection => self.rule == ValueRule::First,
+            BooleanOp::Union | BooleanOp::SubtractionWithRule => false,
+        }
+    }
+}
+
 /// One node of the tree.
 #[derive(Clone, Debug)]
 pub enum Node {
     /// A scan.
     Volume(VolumeLeaf),
+    /// Where the voxels of a mask say.
+    Mask(MaskLeaf),
     /// A geometric primitive.
     Primitive(Primitive),
     /// The child moved by an invertible affine map, mirror and shear included.
@@ -141,6 +184,13 @@ pub enum Node {
         /// The mapping.
         map: ValueMap,
     },
+    /// The child with its values as colours: *classify then combine*.
+    Classify {
+        /// Whose values.
+        child: NodeId,
+        /// Values to colour and opacity.
+        transfer: Arc<TransferFunction>,
+    },
     /// The child on the kept side of a plane.
     Cut {
         /// What is cut.
@@ -156,10 +206,11 @@ impl Node {
     /// The node's children, first operand first.
     pub fn children(&self) -> impl Iterator<Item = NodeId> {
         let (first, second) = match self {
-            Self::Volume(_) | Self::Primitive(_) => (None, None),
-            Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
-                (Some(*child), None)
-            }
+            Self::Volume(_) | Self::Mask(_) | Self::Primitive(_) => (None, None),
+            Self::Transform { child, .. }
+            | Self::Transfer { child, .. }
+            | Self::Classify { child, .. }
+            | Self::Cut { child, .. } => (Some(*child), None),
             Self::Combine(c) => (Some(c.first), Some(c.second)),
         };
         first.into_iter().chain(second)
@@ -169,10 +220,11 @@ impl Node {
     pub fn with_children(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
         let mut node = self.clone();
         match &mut node {
-            Self::Volume(_) | Self::Primitive(_) => {}
-            Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
-                *child = new(*child)
-            }
+            Self::Volume(_) | Self::Mask(_) | Self::Primitive(_) => {}
+            Self::Transform { child, .. }
+            | Self::Transfer { child, .. }
+            | Self::Classify { child, .. }
+            | Self::Cut { child, .. } => *child = new(*child),
             Self::Combine(c) => (c.first, c.second) = (new(c.first), new(c.second)),
         }
         node
@@ -194,6 +246,7 @@ impl Node {
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     nodes: Vec<Node>,
+    kinds: Vec<Kind>,
 }
 
 impl Model {
@@ -206,8 +259,50 @@ impl Model {
         for child in node.children() {
             assert!(child < id, "child {child:?} must precede its parent {id:?}");
         }
+        self.kinds.push(self.kind_of(&node));
         self.nodes.push(node);
         id
+    }
+
+    /// What `node`'s samples are: what its first child's are, unless it classifies.
+    fn kind_of(&self, node: &Node) -> Kind {
+        match node {
+            Node::Classify { .. } => Kind::Color,
+            _ => node.children().next().map_or(Kind::Value, |first| self.kind(first)),
+        }
+    }
+
+    /// What the samples of the node at `id` are.
+    pub fn kind(&self, id: NodeId) -> Kind {
+        self.kinds[id.index()]
+    }
+
+    /// What the model's samples are; `None` when it is empty.
+    pub fn kind_of_root(&self) -> Option<Kind> {
+        self.root().map(|root| self.kind(root))
+    }
+
+    /// Whether the node at `id` is given what it can use: values where it maps or classifies them, and where it combines, values and
+    /// values or colours and colours by a rule for them. Where only the shape of the second operand counts, it may be of either kind.
+    pub fn is_well_typed(&self, id: NodeId) -> bool {
+        match self.node(id) {
+            Node::Transfer { child, .. } | Node::Classify { child, .. } => self.kind(*child) == Kind::Value,
+            Node::Combine(c) => {
+                let kind = self.kind(c.first);
+                c.uses_first_alone() || (kind == self.kind(c.second) && c.rule.is_for(kind))
+            }
+            _ => true,
+        }
+    }
+
+    /// The length that opacities of this model's colours hold for, millimetres: the shortest that a transfer function of a
+    /// classifying node states; `None` where none does.
+    pub fn color_unit_mm(&self) -> Option<f64> {
+        let unit = |node: &Node| match node {
+            Node::Classify { transfer, .. } => Some(transfer.unit_mm()),
+            _ => None,
+        };
+        self.nodes.iter().filter_map(unit).reduce(f64::min)
     }
 
     /// Folds `operands` from the left with one operation: `((a op b) op c) …`; `None` when there are none.
@@ -221,7 +316,7 @@ impl Model {
         operands.into_iter().reduce(|first, second| {
             self.push(Node::Combine(Combine {
                 op,
-                rule,
+                rule: rule.clone(),
                 family,
                 first,
                 second,
@@ -232,6 +327,11 @@ impl Model {
     /// All nodes, children before parents.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
+    }
+
+    /// The places of all nodes, children before parents.
+    pub fn ids(&self) -> impl Iterator<Item = NodeId> {
+        (0..self.nodes.len() as u32).map(NodeId)
     }
 
     /// The node at `id`.

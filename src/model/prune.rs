@@ -88,7 +88,8 @@ impl Pruner<'_> {
             Step::LeafInside(i) => self.leaf(i, Overlap::Inside),
             Step::Map(i) => self.map(i),
             Step::Cut(i) => self.cut(i),
-            Step::Combine(i) => self.combine(i),
+            Step::Classify(i) => self.classify(i),
+            Step::Combine(i) | Step::Blend(i) => self.combine(i, step),
         }
     }
 
@@ -129,7 +130,7 @@ impl Pruner<'_> {
         match (overlap, &leaf.source) {
             (Overlap::Partial, _) => range.coverage.lo = 0.0,
             (_, Source::Primitive(_)) => range.coverage = Interval::point(1.0),
-            (_, Source::Volume(_)) => {}
+            (_, Source::Volume(_) | Source::Mask(_)) => {}
         }
         self.push(range, step);
     }
@@ -147,6 +148,14 @@ impl Pruner<'_> {
         if !top.is_empty() {
             top.range.value = self.tree.map(index).range(top.range.value);
             self.steps.push(Step::Map(index));
+        }
+    }
+
+    fn classify(&mut self, index: u32) {
+        let top = self.operands.last_mut().expect("a classifier has an operand");
+        if !top.is_empty() {
+            top.range.value = self.tree.classifier(index).range(top.range.value);
+            self.steps.push(Step::Classify(index));
         }
     }
 
@@ -178,7 +187,7 @@ impl Pruner<'_> {
         }
     }
 
-    fn combine(&mut self, index: u32) {
+    fn combine(&mut self, index: u32, step: Step) {
         let operator = self.tree.operator(index);
         let second = self.operands.pop().expect("an operator has two operands");
         let first = self.operands.pop().expect("an operator has two operands");
@@ -192,7 +201,7 @@ impl Pruner<'_> {
             }
             Kept::Both => {
                 self.replace_top(operator.range(&first.range, &second.range));
-                self.steps.push(Step::Combine(index));
+                self.steps.push(step);
             }
         }
     }
@@ -286,7 +295,7 @@ impl Leaf {
         let margin = DVec3::splat(ROUNDING * (1.0 + scale));
         let hull = hull.expand(margin);
         match &self.source {
-            Source::Volume(_) => hull.overlap(&self.local_bounds),
+            Source::Volume(_) | Source::Mask(_) => hull.overlap(&self.local_bounds),
             Source::Primitive(placed) => placed.overlap(&hull, margin.x),
         }
     }
@@ -298,7 +307,7 @@ impl Leaf {
             return Overlap::Outside;
         }
         match &self.source {
-            Source::Volume(_) => Overlap::Inside,
+            Source::Volume(_) | Source::Mask(_) => Overlap::Inside,
             // Within a soft surface a block is neither, however small it is.
             Source::Primitive(placed) => match placed.coverage(local) {
                 0.0 => Overlap::Outside,
@@ -323,6 +332,7 @@ impl Leaf {
                     coverage: Interval::new(if all { 1.0 } else { 0.0 }, 1.0),
                 }
             }
+            Source::Mask(mask) => mask.range(local),
             Source::Primitive(placed) => SampleRange {
                 value: Interval::point(placed.value()),
                 coverage: placed.coverage_range(local),

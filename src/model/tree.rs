@@ -7,12 +7,14 @@
 //! *Practice.* A tree bound to a target's lattice evaluates at voxel indices, so that paths, which step along rows of voxels,
 //! can agree with it bit for bit.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
-use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
+use super::{Classifier, ColorSample, Combine, Kind, MaskLeaf, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
-use crate::volume::Sample;
+use crate::volume::{Bricks, Sample};
 use crate::voxelize::{Grade, Placed};
 
 /// One step of a flattened tree: pushes a sample, or replaces those on top of the stack.
@@ -26,8 +28,12 @@ pub enum Step {
     Map(u32),
     /// Empties the top where cut `.0` takes it away.
     Cut(u32),
-    /// Combines the two on top by operator `.0`.
+    /// Makes a colour of the value on top, by classifier `.0`.
+    Classify(u32),
+    /// Combines the two values on top by operator `.0`.
     Combine(u32),
+    /// Combines the two colours on top by operator `.0`.
+    Blend(u32),
 }
 
 /// What a leaf is made of.
@@ -35,6 +41,8 @@ pub enum Step {
 pub enum Source {
     /// Voxels; the local frame is the volume's index space.
     Volume(VolumeLeaf),
+    /// Voxels that say where something is; the local frame is their index space.
+    Mask(MaskLeaf),
     /// Geometry of one value; the local frame is the node's, or the world where that shows it better.
     Primitive(Box<Placed>),
 }
@@ -62,7 +70,8 @@ pub struct FramePlane {
 }
 
 /// Where and how finely a model is sampled.
-struct Sampling {
+struct Sampling<'a> {
+    model: &'a Model,
     world_from_frame: DAffine3,
     voxel_mm: f64,
     /// How filters change to those of the next level, if they do.
@@ -77,6 +86,8 @@ pub struct Tree {
     maps: Vec<ValueMap>,
     cuts: Vec<FramePlane>,
     operators: Vec<Operator>,
+    pub(super) classifiers: Vec<Classifier>,
+    pub(super) color_unit_mm: Option<f64>,
 }
 
 /// Why a model cannot be flattened.
@@ -89,6 +100,11 @@ pub enum TreeError {
         Tree::MAX_STEPS
     )]
     TooLarge,
+    /// A node that is given colours where it wants values, or the other way round.
+    #[error(
+        "values and colours are mixed: classify all operands of a set operation or none, and give it a rule for them"
+    )]
+    Mixed,
     /// A transform that flattens space.
     #[error("a transform cannot be undone: its matrix is singular or not finite; scale by numbers other than 0")]
     Singular,
@@ -138,6 +154,7 @@ impl Leaf {
     pub fn sample_inside(&self, local: DVec3) -> Sample {
         match &self.source {
             Source::Volume(leaf) => leaf.admit(leaf.bricks.sample_index(local)),
+            Source::Mask(mask) => mask.sample(local),
             Source::Primitive(placed) => placed.sample(local),
         }
     }
@@ -198,8 +215,17 @@ impl Tree {
         if model.nodes().iter().any(is_singular) {
             return Err(TreeError::Singular);
         }
-        let mut tree = Self::default();
+        if !model.ids().all(|id| model.is_well_typed(id)) {
+            return Err(TreeError::Mixed);
+        }
+        let mut tree = Self {
+            color_unit_mm: model
+                .color_unit_mm()
+                .filter(|_| model.kind_of_root() == Some(Kind::Color)),
+            ..Self::default()
+        };
         let sampling = Sampling {
+            model,
             world_from_frame: *world_from_frame,
             voxel_mm,
             grade,
@@ -220,17 +246,10 @@ impl Tree {
         Ok(tree)
     }
 
-    fn write(&mut self, node: &Node, node_from_frame: &DAffine3, sampling: &Sampling) {
+    fn write(&mut self, node: &Node, node_from_frame: &DAffine3, sampling: &Sampling<'_>) {
         match node {
-            Node::Volume(leaf) => {
-                let index_from_world = leaf.bricks.world_from_index().inverse();
-                let index_from_frame = index_from_world * *node_from_frame;
-                self.push_leaf(Leaf::new(
-                    Source::Volume(leaf.clone()),
-                    index_from_frame,
-                    leaf.bricks.index_bounds(),
-                ));
-            }
+            Node::Volume(leaf) => self.push_voxels(Source::Volume(leaf.clone()), &leaf.bricks, node_from_frame),
+            Node::Mask(leaf) => self.push_voxels(Source::Mask(leaf.clone()), &leaf.bricks, node_from_frame),
             Node::Primitive(primitive) => {
                 let world_from_node = sampling.world_from_frame * node_from_frame.inverse();
                 let mut placed = primitive.placed(&world_from_node, sampling.voxel_mm);
@@ -250,15 +269,36 @@ impl Tree {
                 self.steps.push(Step::Cut(self.cuts.len() as u32));
                 self.cuts.push(FramePlane::from(plane).moved(node_from_frame));
             }
-            Node::Combine(Combine { op, rule, family, .. }) => {
-                self.steps.push(Step::Combine(self.operators.len() as u32));
+            Node::Classify { transfer, .. } => {
+                self.steps.push(Step::Classify(self.classifiers.len() as u32));
+                let unit_mm = self.color_unit_mm.unwrap_or(transfer.unit_mm());
+                self.classifiers.push(Classifier::new(Arc::clone(transfer), unit_mm));
+            }
+            Node::Combine(Combine {
+                op,
+                rule,
+                family,
+                first,
+                ..
+            }) => {
+                let index = self.operators.len() as u32;
+                self.steps.push(match sampling.model.kind(*first) {
+                    Kind::Value => Step::Combine(index),
+                    Kind::Color => Step::Blend(index),
+                });
                 self.operators.push(Operator {
                     op: *op,
-                    rule: *rule,
+                    rule: rule.clone(),
                     family: *family,
                 });
             }
         }
+    }
+
+    /// A leaf in the index space of its voxels.
+    fn push_voxels(&mut self, source: Source, bricks: &Bricks, node_from_frame: &DAffine3) {
+        let index_from_frame = bricks.world_from_index().inverse() * *node_from_frame;
+        self.push_leaf(Leaf::new(source, index_from_frame, bricks.index_bounds()));
     }
 
     fn push_leaf(&mut self, leaf: Leaf) {
@@ -317,57 +357,56 @@ impl Tree {
         !self.maps.is_empty()
     }
 
-    /// The model at point `p` of the frame: the truth.
+    /// The model at point `p` of the frame: the truth. The value of a colour is its opacity.
     pub fn sample(&self, p: DVec3) -> Sample {
+        self.color_sample(p).sample
+    }
+
+    /// The model at point `p` of the frame with its colour, black in a tree of values.
+    pub fn color_sample(&self, p: DVec3) -> ColorSample {
         let mut stack = Vec::new();
         for &step in &self.steps {
             self.apply(step, p, &mut stack);
         }
-        stack.pop().unwrap_or(Sample::EMPTY)
+        stack.pop().unwrap_or(ColorSample::EMPTY)
     }
 
-    fn apply(&self, step: Step, p: DVec3, stack: &mut Vec<Sample>) {
+    fn apply(&self, step: Step, p: DVec3, stack: &mut Vec<ColorSample>) {
         match step {
             Step::Leaf(i) | Step::LeafInside(i) => {
                 let leaf = self.leaf(i);
                 let local = affine::point(&leaf.local_from_frame, p);
                 let inside = leaf.local_bounds.contains(local);
-                stack.push(if inside {
+                stack.push(ColorSample::of_value(if inside {
                     leaf.sample_inside(local)
                 } else {
                     Sample::EMPTY
-                });
+                }));
             }
             Step::Map(i) => {
                 let top = stack.last_mut().expect("a map has an operand");
-                *top = self.map(i).sample(*top);
+                *top = ColorSample::of_value(self.map(i).sample(top.sample));
+            }
+            Step::Classify(i) => {
+                let top = stack.last_mut().expect("a classifier has an operand");
+                *top = self.classifier(i).apply(top.sample);
             }
             Step::Cut(i) => {
                 let top = stack.last_mut().expect("a cut has an operand");
                 if self.cut(i).distance(p) > 0.0 {
-                    *top = Sample::EMPTY;
+                    *top = ColorSample::EMPTY;
                 }
             }
             Step::Combine(i) => {
                 let second = stack.pop().expect("an operator has two operands");
                 let first = stack.last_mut().expect("an operator has two operands");
-                *first = self.operator(i).apply(*first, second);
+                *first = ColorSample::of_value(self.operator(i).apply(first.sample, second.sample));
             }
-        }
-    }
-}
-
-impl ValueMap {
-    /// The map of a sample: an absent one stays absent.
-    #[inline]
-    pub fn sample(&self, s: Sample) -> Sample {
-        if s.coverage > 0.0 {
-            Sample {
-                value: self.apply(s.value),
-                ..s
+            Step::Blend(i) => {
+                let second = stack.pop().expect("an operator has two operands");
+                let first = stack.last_mut().expect("an operator has two operands");
+                *first = self.operator(i).blend(first, &second);
             }
-        } else {
-            Sample::EMPTY
         }
     }
 }

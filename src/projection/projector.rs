@@ -24,6 +24,14 @@ pub enum ProjectError {
     /// The graphics device refused.
     #[error(transparent)]
     Device(Box<dyn std::error::Error + Send + Sync>),
+    /// Values are to be seen, and there are colours.
+    #[error(
+        "the mode {mode:?} shows values, and the scene's samples are colours: take a mode that shows colours, or classify nothing"
+    )]
+    NoValues {
+        /// The mode.
+        mode: Mode,
+    },
     /// The frame has no pixels, or more than can be drawn.
     #[error("a frame of {width} x {height} pixels cannot be drawn; each side must be in 1..={limit}")]
     FrameSize {
@@ -55,6 +63,24 @@ impl FrameSpec<'_> {
     pub fn table(&self) -> TransferTable {
         let slab_mm = self.planes().step_mm;
         TransferTable::new(self.transfer, self.target.value_range, slab_mm)
+    }
+
+    /// The thickness of a slab in the unit lengths that the opacities of a target of colours hold for; `None` for a target of
+    /// values, which the transfer function classifies.
+    pub fn slab_units(&self) -> Option<f64> {
+        let unit_mm = self.target.tree.color_unit_mm()?;
+        Some(self.planes().step_mm / unit_mm)
+    }
+
+    /// Whether the mode shows what the target holds.
+    ///
+    /// # Errors
+    /// If the mode shows values, and the target holds colours.
+    pub fn check(&self) -> Result<(), ProjectError> {
+        match self.settings.mode {
+            mode if !mode.classifies() && self.target.tree.has_colors() => Err(ProjectError::NoValues { mode }),
+            _ => Ok(()),
+        }
     }
 
     /// Lights and material, where the mode has any.

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 use super::composite::{self, value_source};
-use super::transfer::lengthened;
+use super::table::lengthened;
 use super::{EMPTY_BELOW, FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable};
 use crate::image::Frame;
 use crate::math::{Aabb, affine};
@@ -19,6 +19,7 @@ pub struct Reference;
 
 impl Projector for Reference {
     fn project(&mut self, spec: &FrameSpec) -> Result<Frame, ProjectError> {
+        spec.check()?;
         let voxels = VoxelTarget::new(spec.target);
         Ok(render(&voxels, spec))
     }
@@ -46,10 +47,12 @@ pub fn render_where(voxels: &VoxelTarget, spec: &FrameSpec, shown: &(dyn Fn(DVec
     composite::resolve(spec.settings.mode, &frame, spec.target.value_range, spec.transfer)
 }
 
-/// A sample of the target: fraction of the value range times coverage, coverage, and soft normal in the eye frame.
+/// A sample of the target: fraction of the value range (or opacity) times coverage, coverage, colour times opacity and coverage, and
+/// soft normal in the eye frame.
 struct LatticeSample {
     weighted: f64,
     coverage: f64,
+    rgb: [f64; 3],
     normal: DVec3,
 }
 
@@ -62,6 +65,8 @@ struct Marcher<'a> {
     eye_bounds: Aabb,
     planes: Planes,
     table: TransferTable,
+    /// See [`FrameSpec::slab_units`].
+    slab_units: Option<f64>,
     normals: Option<SoftNormals>,
 }
 
@@ -78,6 +83,7 @@ impl<'a> Marcher<'a> {
             eye_bounds: lattice.bounds().transformed(&eye_from_lattice),
             planes: spec.planes(),
             table: spec.table(),
+            slab_units: spec.slab_units(),
             normals: spec.shading().map(|s| SoftNormals::new(lattice, s.soft_gradient)),
         }
     }
@@ -107,8 +113,7 @@ impl<'a> Marcher<'a> {
         if !mode.classifies() {
             return value_source(mode, s.weighted, s.coverage, path_per_depth);
         }
-        let entry = lengthened(self.table.at(s.weighted / s.coverage), path_per_depth);
-        let [r, g, b, a] = entry.map(|c| c * s.coverage);
+        let [r, g, b, a] = self.colour(s, path_per_depth);
         if mode == Mode::XRay {
             return [a; 4];
         }
@@ -125,23 +130,43 @@ impl<'a> Marcher<'a> {
         [r, g, b, a]
     }
 
+    /// Premultiplied colour and opacity of one slab of ray.
+    fn colour(&self, s: &LatticeSample, path_per_depth: f64) -> [f64; 4] {
+        match self.slab_units {
+            Some(units) => {
+                let [r, g, b] = s.rgb;
+                lengthened([r, g, b, s.weighted], units * path_per_depth)
+            }
+            None => {
+                let entry = lengthened(self.table.at(s.weighted / s.coverage), path_per_depth);
+                entry.map(|c| c * s.coverage)
+            }
+        }
+    }
+
     fn sample(&self, at: DVec3) -> LatticeSample {
         let (corners, fraction) = self.voxels.cell(at);
         let weights: [f64; 8] = std::array::from_fn(|n| weight(n, fraction));
         let mix = |f: &dyn Fn(usize) -> f64| (0..8).map(|n| weights[n] * f(n)).sum::<f64>();
         let coverage = mix(&|n| f64::from(corners[n].1));
         let weighted = mix(&|n| self.fraction(corners[n]));
+        let base = at.floor().as_i64vec3().to_array();
+        let corner = |n: usize| std::array::from_fn(|a| base[a] + (n >> a & 1) as i64);
         let mut normal = DVec3::ZERO;
         if coverage > 0.0 && self.normals.is_some() {
-            let base = at.floor().as_i64vec3().to_array();
             for (n, w) in weights.into_iter().enumerate() {
-                let voxel = std::array::from_fn(|a| base[a] + (n >> a & 1) as i64);
-                normal += w * self.voxel_normal(voxel);
+                normal += w * self.voxel_normal(corner(n));
             }
+        }
+        let mut rgb = [0.0; 3];
+        if coverage > 0.0 && self.slab_units.is_some() {
+            let corners: [[f32; 3]; 8] = std::array::from_fn(|n| self.voxels.rgb(corner(n)));
+            rgb = std::array::from_fn(|c| mix(&|n| f64::from(corners[n][c])));
         }
         LatticeSample {
             weighted,
             coverage,
+            rgb,
             normal,
         }
     }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::halving::{Halving, Shown};
-use super::{Camera, Planes, TransferTable, VisibleBox, eye_from_lattice};
+use super::{Camera, FrameSpec, Planes, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
 use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants_back_to_front};
 
@@ -16,8 +16,16 @@ use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibleValues {
     value_range: Interval,
-    /// `visible_before[i]` counts the opaque table entries before entry `i`; `None` when every value shows.
-    visible_before: Option<Vec<u32>>,
+    shown: Which,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Which {
+    All,
+    /// Opacities above 0.
+    Positive,
+    /// Entry `i` counts the opaque table entries before `i`.
+    Opaque(Vec<u32>),
 }
 
 impl VisibleValues {
@@ -25,7 +33,23 @@ impl VisibleValues {
     pub fn all(value_range: Interval) -> Self {
         Self {
             value_range,
-            visible_before: None,
+            shown: Which::All,
+        }
+    }
+
+    /// The values that show in a frame: all of them where it shows values, of colours those that are at all opaque, and else those that
+    /// the transfer function makes so.
+    pub fn in_frame(spec: &FrameSpec) -> Self {
+        let range = spec.target.value_range;
+        if !spec.settings.mode.classifies() {
+            Self::all(range)
+        } else if spec.target.tree.has_colors() {
+            Self {
+                value_range: range,
+                shown: Which::Positive,
+            }
+        } else {
+            Self::of(&spec.table(), range)
         }
     }
 
@@ -39,7 +63,7 @@ impl VisibleValues {
         }
         Self {
             value_range,
-            visible_before: Some(visible_before),
+            shown: Which::Opaque(visible_before),
         }
     }
 
@@ -48,8 +72,10 @@ impl VisibleValues {
         if range.is_empty() {
             return false;
         }
-        let Some(visible_before) = &self.visible_before else {
-            return true;
+        let visible_before = match &self.shown {
+            Which::All => return true,
+            Which::Positive => return range.hi > 0.0,
+            Which::Opaque(visible_before) => visible_before,
         };
         let last = TransferTable::LEN - 1;
         let entry = |v: f32| {

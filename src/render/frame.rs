@@ -3,10 +3,10 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::depths::DepthScale;
-use super::pages::{PagedTarget, texture_map};
+use super::pages::{PagedTarget, Texels, texture_map};
 use crate::interface::{
     BoxData, FrameData, MAX_VERTICES, MODE_ADDITIVE, MODE_AVERAGE, MODE_COMPOSITE, MODE_MINIP, MODE_MIP, MODE_XRAY,
-    MovingVertexData, SliceData,
+    MovingVertexData, SliceData, TEXELS_COLORS, TEXELS_MIXED, TEXELS_VALUES,
 };
 use crate::projection::{Camera, FrameSpec, Lens, Mode, Shading, SlicePlan};
 use crate::surface::SurfaceView;
@@ -20,6 +20,15 @@ pub fn mode_constant(mode: Mode) -> u32 {
         Mode::Average => MODE_AVERAGE,
         Mode::Additive => MODE_ADDITIVE,
         Mode::XRay => MODE_XRAY,
+    }
+}
+
+/// The number of the texels' kind in the shaders.
+pub fn texels_constant(texels: Texels) -> u32 {
+    match texels {
+        Texels::Values => TEXELS_VALUES,
+        Texels::Mixed => TEXELS_MIXED,
+        Texels::Colors => TEXELS_COLORS,
     }
 }
 

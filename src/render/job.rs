@@ -174,7 +174,8 @@ impl Shared {
             cue_mm: plan.cue_mm,
             ..SurfaceView::beside(spec)
         };
-        let data = frame::frame_data(&view, &plan.eye_from_lattice, scale, spec.shading());
+        let mut data = frame::frame_data(&view, &plan.eye_from_lattice, scale, spec.shading());
+        data.cue[3] = spec.slab_units().unwrap_or(1.0) as f32;
         let uniform = Buffer::with_data(device, "frame data", &[data])?;
         let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;
         let vertices = Buffer::with_data(device, "moving vertices", &frame::vertices(plan))?;
@@ -221,7 +222,7 @@ impl Shared {
             }
             let pipeline = renderer
                 .pipelines
-                .slices(&renderer.device, spec, paged.pages[page].mixed, self.meeting)?;
+                .slices(&renderer.device, spec, paged.pages[page].texels, self.meeting)?;
             draws.push(self.draw(renderer, pipeline, page, begin..end));
             begin = end;
         }

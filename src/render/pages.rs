@@ -29,15 +29,26 @@ const PAGE_BYTES: usize = 256 << 20;
 /// Blocks up to this edge fill a cell of their whole cube, even where the lattice cuts them short, so that they share pages.
 const SHARED_EDGE: usize = 64;
 
+/// What the texels of a page are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Texels {
+    /// Values, in a lit target with normals beside them.
+    Values,
+    /// Value times coverage, and coverage.
+    Mixed,
+    /// Colour times opacity and coverage, and opacity times coverage.
+    Colors,
+}
+
 /// A 3D texture of blocks of one shape.
 pub struct Page {
-    /// Whether texels hold value times coverage and coverage, or a value alone.
-    pub mixed: bool,
+    /// What its texels are.
+    pub texels: Texels,
     /// Texels along each axis.
     pub dims: [u32; 3],
     /// The values; in a covered page of a lit target each with its soft normal.
     pub values: Arc<Image>,
-    /// The soft normals of a mixed page of a lit target.
+    /// The soft normals of a page of a lit target that has none beside its values.
     pub normals: Option<Arc<Image>>,
 }
 
@@ -69,6 +80,9 @@ pub const FORMATS: [Format; 3] = [Format::R16_UNORM, Format::R16G16_UNORM, NORMA
 
 /// The format of normals, with values or an empty channel before them.
 const NORMAL_FORMAT: Format = Format::R16G16B16A16_UNORM;
+
+/// The format of colours.
+const COLOR_FORMAT: Format = Format::R16G16B16A16_UNORM;
 
 impl PagedTarget {
     /// Reconstructs all blocks of `target` and uploads them, with normals if `normals` says how. `progress` is told the
@@ -142,7 +156,7 @@ fn empty_cells(target: &Target) -> Vec<CellRanges> {
 fn batch_len(pieces: &[Piece]) -> usize {
     let mut bytes = 0;
     let full = pieces.iter().position(|p| {
-        bytes += p.slab.stored_len() * 8;
+        bytes += p.slab.stored_len() * 16;
         bytes > BATCH_BYTES
     });
     full.unwrap_or(pieces.len()).max(1)
@@ -201,15 +215,15 @@ impl<'a> Stage<'a> {
 
 /// A page before it is allocated: cells of one shape in a grid.
 struct PagePlan {
-    mixed: bool,
+    texels: Texels,
     dims: [usize; 3],
 }
 
 /// Places every block of `target` in a page.
 fn arrange(target: &Target, longest_edge: u32) -> (Vec<PagePlan>, Vec<Slot>) {
-    let mut classes: BTreeMap<(bool, [usize; 3]), Vec<usize>> = BTreeMap::new();
+    let mut classes: BTreeMap<(Texels, [usize; 3]), Vec<usize>> = BTreeMap::new();
     for (index, block) in target.blocks.iter().enumerate() {
-        let class = (block.layout == Layout::Mixed, cell_dims(block));
+        let class = (texels_of(target, block), cell_dims(block));
         classes.entry(class).or_default().push(index);
     }
     let mut plans = Vec::new();
@@ -220,8 +234,8 @@ fn arrange(target: &Target, longest_edge: u32) -> (Vec<PagePlan>, Vec<Slot>) {
         };
         target.blocks.len()
     ];
-    for ((mixed, cell), blocks) in classes {
-        let texel = size_of::<u16>() * (1 + usize::from(mixed));
+    for ((texels, cell), blocks) in classes {
+        let texel = size_of::<u16>() * texels.channels();
         let most = (PAGE_BYTES / (texel * cell.iter().product::<usize>())).max(1);
         let limit = cell.map(|edge| (longest_edge as usize / edge).max(1));
         for chunk in blocks.chunks(most.min(limit.iter().product())) {
@@ -234,12 +248,20 @@ fn arrange(target: &Target, longest_edge: u32) -> (Vec<PagePlan>, Vec<Slot>) {
                 };
             }
             plans.push(PagePlan {
-                mixed,
+                texels,
                 dims: std::array::from_fn(|a| grid[a] * cell[a]),
             });
         }
     }
     (plans, slots)
+}
+
+fn texels_of(target: &Target, block: &Block) -> Texels {
+    match block.layout {
+        _ if target.tree.has_colors() => Texels::Colors,
+        Layout::Mixed => Texels::Mixed,
+        Layout::Covered | Layout::Uniform => Texels::Values,
+    }
 }
 
 fn cell_dims(block: &Block) -> [usize; 3] {
@@ -271,11 +293,11 @@ impl PagePlan {
             let extent = Extent::D3(width, height, depth);
             Image::new(device, label, ImageRole::Sampled, format, extent)
         };
-        let beside = self.mixed && lit;
+        let beside = self.texels != Texels::Values && lit;
         Ok(Page {
-            mixed: self.mixed,
+            texels: self.texels,
             dims,
-            values: image("values of target blocks", value_format(self.mixed, lit))?,
+            values: image("values of target blocks", self.texels.format(lit))?,
             normals: beside
                 .then(|| image("normals of target blocks", NORMAL_FORMAT))
                 .transpose()?,
@@ -283,11 +305,23 @@ impl PagePlan {
     }
 }
 
-fn value_format(mixed: bool, lit: bool) -> Format {
-    match (mixed, lit) {
-        (true, _) => Format::R16G16_UNORM,
-        (false, true) => NORMAL_FORMAT,
-        (false, false) => Format::R16_UNORM,
+impl Texels {
+    /// Numbers in a texel, normals apart.
+    fn channels(self) -> usize {
+        match self {
+            Self::Values => 1,
+            Self::Mixed => 2,
+            Self::Colors => 4,
+        }
+    }
+
+    fn format(self, lit: bool) -> Format {
+        match self {
+            Self::Values if lit => NORMAL_FORMAT,
+            Self::Values => Format::R16_UNORM,
+            Self::Mixed => Format::R16G16_UNORM,
+            Self::Colors => COLOR_FORMAT,
+        }
     }
 }
 

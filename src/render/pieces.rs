@@ -27,9 +27,9 @@ pub struct Piece {
 
 /// What a piece becomes.
 pub struct PieceTexels {
-    /// Value texels, with normals beside them if the block is covered and the target lit.
+    /// Value or colour texels; values with normals beside them if the block is covered and the target lit.
     pub values: Vec<u16>,
-    /// Normal texels of a mixed block of a lit target; a covered one has them in its values.
+    /// Normal texels of colours and of a mixed block of a lit target; a covered one has them in its values.
     pub normals: Vec<u16>,
     /// The slab's cells.
     pub cells: CellRanges,
@@ -105,8 +105,12 @@ fn fill_one(target: &Target, piece: &Piece, normals: Option<&SoftNormals>) -> Pi
     let Some(soft) = normals else {
         let voxels = BlockVoxels::reconstruct(target, slab, Block::APRON);
         let rows = Rows::new(slab, &voxels, target.value_range);
+        let planes = piece.planes.clone();
         return PieceTexels {
-            values: rows.values(piece.planes.clone()),
+            values: match voxels.rgb() {
+                Some(_) => rows.colors(planes),
+                None => rows.values(planes),
+            },
             normals: Vec::new(),
             cells: CellRanges::new(slab, &voxels),
         };
@@ -114,11 +118,13 @@ fn fill_one(target: &Target, piece: &Piece, normals: Option<&SoftNormals>) -> Pi
     let voxels = BlockVoxels::reconstruct(target, slab, Block::REACH);
     let rows = Rows::new(slab, &voxels, target.value_range);
     let normal_rows = NormalRows::new(soft, target.value_range, &target.lattice, slab, &voxels);
-    let (values, normals) = if slab.layout == Layout::Mixed {
-        let planes = piece.planes.clone();
+    let planes = piece.planes.clone();
+    let (values, normals) = if voxels.rgb().is_some() {
+        (rows.colors(planes.clone()), rows.normals(&normal_rows, planes))
+    } else if slab.layout == Layout::Mixed {
         (rows.values(planes.clone()), rows.normals(&normal_rows, planes))
     } else {
-        let lit = rows.lit_values(&normal_rows, piece.planes.clone());
+        let lit = rows.lit_values(&normal_rows, planes);
         (lit, Vec::new())
     };
     PieceTexels {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::frame;
 use super::layers::Meeting;
 use super::mesh_pieces::VERTEX_INPUT;
+use super::pages::Texels;
 use super::slices::TARGET_FORMAT;
 use crate::gpu::{BindingKind, Depth, Device, GpuError, GraphicsPipeline, PipelineDesc, Topology};
 use crate::interface::{MeshData, RectData};
@@ -17,7 +18,7 @@ use crate::shaders::{CLOSE_FRAG, CLOSE_VERT, MESH_FRAG, MESH_VERT, SLICES_FRAG, 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Variant {
     mode: u32,
-    mixed: bool,
+    texels: Texels,
     lights: u32,
     shininess_log2: u32,
     perspective: bool,
@@ -48,15 +49,15 @@ pub struct Pipelines {
 }
 
 impl Pipelines {
-    /// The pipeline that draws slices of `mixed` or covered pages for `spec`.
+    /// The pipeline that draws slices of pages of `texels` for `spec`.
     pub fn slices(
         &mut self,
         device: &Arc<Device>,
         spec: &FrameSpec,
-        mixed: bool,
+        texels: Texels,
         meeting: Meeting,
     ) -> Result<Arc<GraphicsPipeline>, GpuError> {
-        let variant = variant(spec, mixed, meeting);
+        let variant = variant(spec, texels, meeting);
         made(&mut self.slices, variant, || slices_pipeline(device, &variant))
     }
 
@@ -90,11 +91,11 @@ fn made<K: Copy + Eq + Hash>(
     Ok(pipeline)
 }
 
-fn variant(spec: &FrameSpec, mixed: bool, meeting: Meeting) -> Variant {
+fn variant(spec: &FrameSpec, texels: Texels, meeting: Meeting) -> Variant {
     let shading = spec.shading();
     Variant {
         mode: frame::mode_constant(spec.settings.mode),
-        mixed,
+        texels,
         lights: shading.map_or(0, |s| s.lights.len() as u32),
         shininess_log2: shading.map_or(0, |s| s.material.shininess_log2),
         perspective: matches!(spec.camera.lens, Lens::Perspective { .. }),
@@ -121,7 +122,7 @@ fn slices_pipeline(device: &Arc<Device>, variant: &Variant) -> Result<Arc<Graphi
             fragment_spirv: SLICES_FRAG,
             specialization: &[
                 (0, variant.mode),
-                (1, u32::from(variant.mixed)),
+                (1, frame::texels_constant(variant.texels)),
                 (2, variant.lights),
                 (3, variant.shininess_log2),
                 (4, u32::from(variant.perspective)),

@@ -149,6 +149,7 @@ impl SliceRenderer {
         meshes: &[ShownMesh],
     ) -> Result<(Accumulated, Timings), ProjectError> {
         self.require_size(spec.camera)?;
+        spec.check()?;
         let begin = Instant::now();
         let job = Job::new(self, spec, paged, plan, meshes).map_err(device_error)?;
         let prepared = Instant::now();
@@ -264,12 +265,7 @@ pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
 
 /// What is drawn on `planes`, in one band.
 pub(super) fn plan_on(planes: Planes, spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
-    let range = spec.target.value_range;
-    let values = if spec.settings.mode.classifies() {
-        VisibleValues::of(&spec.table(), range)
-    } else {
-        VisibleValues::all(range)
-    };
+    let values = VisibleValues::in_frame(spec);
     let visibility = Visibility {
         target: spec.target,
         cells: &paged.cells,

@@ -112,6 +112,22 @@ impl<'a> Rows<'a> {
         texels
     }
 
+    /// Colours times coverage and opacities times coverage, four channels, of the stored planes `planes`.
+    pub fn colors(&self, planes: Range<usize>) -> Vec<u16> {
+        let row_len = self.len(0) * 4;
+        let mut texels = vec![0; row_len * self.len(1) * planes.len()];
+        let rgb = self.voxels.rgb().unwrap_or_default();
+        for (n, out) in texels.chunks_exact_mut(row_len).enumerate() {
+            let row = self.at(n % self.len(1), planes.start + n / self.len(1));
+            let pairs = rgb[row.clone()].iter().zip(&self.voxels.premultiplied[row]);
+            for (out, (rgb, opacity)) in out.chunks_exact_mut(4).zip(pairs) {
+                out[..3].copy_from_slice(&rgb.map(stored));
+                out[3] = stored(*opacity);
+            }
+        }
+        texels
+    }
+
     /// Values with their soft normals (world frame) beside them, four channels, of the planes `planes` of a covered block.
     pub fn lit_values(&self, normals: &NormalRows, planes: Range<usize>) -> Vec<u16> {
         let [scale, offset] = self.scales;

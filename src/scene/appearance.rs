@@ -50,6 +50,33 @@ impl Appearance {
         }
         Ok(draft.finish())
     }
+
+    /// Whether the top nodes of a document suit a scene of colours.
+    pub fn check_colors(document: &KdlDocument, source: &Source) -> Result<()> {
+        for node in document.nodes() {
+            let element = Element::new(node, &[grammar::TOP], source)?;
+            match element.name() {
+                "transfer" => {
+                    let why = "the scene's samples are colours, by its `classify` nodes: `transfer` has no values to make colours of";
+                    return Err(element.error(Problem::Conflict(why)));
+                }
+                "render" => check_mode(&element)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a `render` node's mode shows colours.
+fn check_mode(render: &Element) -> Result<()> {
+    match render.get("mode") {
+        Some(mode) if !mode.one_of(MODES)?.classifies() => {
+            let why = "this mode shows values, and the scene's samples are colours, by its `classify` nodes";
+            Err(mode.error(Problem::Conflict(why)))
+        }
+        _ => Ok(()),
+    }
 }
 
 #[derive(Default)]
@@ -208,7 +235,8 @@ fn projection(element: &Element) -> Result<Projection> {
     }
 }
 
-fn transfer(element: &Element) -> Result<TransferSpec> {
+/// The transfer function that a `transfer` or `classify` node states.
+pub(super) fn transfer(element: &Element) -> Result<TransferSpec> {
     let unit_mm = element.get("unit-mm").map(|v| v.positive()).transpose()?;
     let points = control_points(element)?;
     let window = display_window(element)?;
@@ -236,15 +264,21 @@ fn transfer(element: &Element) -> Result<TransferSpec> {
 }
 
 fn control_points(element: &Element) -> Result<Vec<ControlPoint>> {
-    let read = |point: Result<Element>| {
-        let point = point?;
+    let read = |point: Element| {
         Ok(ControlPoint {
             value: point.argument(0).single()?,
             color: point.require("color")?.color()?,
             opacity: point.require("opacity")?.within(0.0, 1.0)? as f32,
         })
     };
-    element.children().map(read).collect()
+    let mut points = Vec::new();
+    for child in element.children() {
+        let child = child?;
+        if child.name() == "point" {
+            points.push(read(child)?);
+        }
+    }
+    Ok(points)
 }
 
 /// `window` and `level`: how wide the range of displayed values is, and its middle.

@@ -107,6 +107,11 @@ impl<'a> Element<'a> {
         nodes.iter().map(move |node| Element::new(node, groups, source))
     }
 
+    /// The line of the node's name, from 1.
+    pub fn line(&self) -> usize {
+        self.source.place(self.node.name().span().offset()).0
+    }
+
     /// An error at the node's name.
     pub fn error(&self, problem: Problem) -> SceneError {
         SceneError::at(self.source, self.node.name().span(), problem)
@@ -279,6 +284,17 @@ impl<'a> Value<'a> {
         }
     }
 
+    /// Any number of finite numbers in a string, parted by spaces or commas.
+    pub fn row(self) -> Result<Vec<f32>> {
+        let words = self
+            .string()?
+            .split([' ', '\t', '\n', ','])
+            .filter(|word| !word.is_empty());
+        let finite = |word: &str| word.parse().ok().filter(|n: &f32| n.is_finite());
+        let numbers: Option<Vec<f32>> = words.map(finite).collect();
+        numbers.ok_or_else(|| self.bad("a string of finite numbers"))
+    }
+
     /// Three finite numbers in a string.
     pub fn vector(self) -> Result<DVec3> {
         self.numbers().map(DVec3::from_array)
@@ -292,10 +308,10 @@ impl<'a> Value<'a> {
     }
 
     /// What `choices` gives for the string.
-    pub fn one_of<T: Copy>(self, choices: &[(&'static str, T)]) -> Result<T> {
+    pub fn one_of<T: Clone>(self, choices: &[(&'static str, T)]) -> Result<T> {
         let found = self.entry.value().as_string().unwrap_or_default();
         let choice = choices.iter().find(|(name, _)| *name == found);
-        choice.map(|&(_, value)| value).ok_or_else(|| {
+        choice.map(|(_, value)| value.clone()).ok_or_else(|| {
             let names: Vec<_> = choices.iter().map(|(name, _)| *name).collect();
             self.bad(format!("one of {}", names.join(", ")))
         })

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use miette::{Diagnostic, LabeledSpan, SourceCode, SourceSpan};
 
 use super::source::Source;
+use crate::model::LutError;
 use crate::projection::TransferError;
 
 /// Why a scene cannot be read: a [`Problem`] and the place that has it.
@@ -128,6 +129,44 @@ pub enum Problem {
         /// What it may be.
         wanted: String,
     },
+    /// Values and colours as operands of one node.
+    #[error(
+        "`{first}` on line {line} gives {gives}, and `{second}` gives {other}: values and colours cannot be combined"
+    )]
+    Mixed {
+        /// The first operand.
+        first: &'static str,
+        /// Its line, from 1.
+        line: usize,
+        /// What it gives.
+        gives: &'static str,
+        /// The operand that differs from it.
+        second: &'static str,
+        /// What that gives.
+        other: &'static str,
+    },
+    /// A rule for what the operands are not.
+    #[error("the rule `{rule}` does not combine {gives}, which `{operand}` on line {line} gives")]
+    RuleKind {
+        /// The rule.
+        rule: String,
+        /// An operand.
+        operand: &'static str,
+        /// Its line, from 1.
+        line: usize,
+        /// What it gives.
+        gives: &'static str,
+    },
+    /// Colours where only values can be.
+    #[error("`{node}` takes values, and `{child}` on line {line} gives colours")]
+    WantsValues {
+        /// Which node.
+        node: &'static str,
+        /// Its child.
+        child: &'static str,
+        /// The child's line, from 1.
+        line: usize,
+    },
     /// Properties that exclude each other.
     #[error("{0}")]
     Conflict(&'static str),
@@ -168,6 +207,12 @@ pub enum Problem {
     /// A transfer function that cannot be.
     #[error("transfer function: {0}")]
     Transfer(TransferError),
+    /// A table that cannot be.
+    #[error("the table cannot be: {0}")]
+    Table(LutError),
+    /// A picture that makes no table.
+    #[error("cannot read the table {0}")]
+    Picture(String),
     /// A volume that cannot be loaded.
     #[error("cannot load the volume {0}")]
     Volume(String),
@@ -208,6 +253,14 @@ impl Problem {
                 "{}the presets are listed in docs/SCENE.md",
                 meant(nearest).unwrap_or_default()
             )),
+            Self::Mixed { .. } => {
+                Some("put `classify` round both, or round the operation instead of its operands".into())
+            }
+            Self::RuleKind { .. } => Some(
+                "colours take first, second, over, plus, in, out, atop, xor; values first, second and all others"
+                    .into(),
+            ),
+            Self::WantsValues { .. } => Some("put it inside `classify`, which makes colours of values".into()),
             Self::Singular { .. } => Some("no factor may be 0 and no two axes parallel".into()),
             Self::NoScene => Some("write what is to be seen as `scene { … }`".into()),
             _ => None,

@@ -9,6 +9,12 @@ pub(super) enum Children {
     Shapes,
     /// Nodes of the tree, and the points of a table.
     ShapesAndTable,
+    /// Nodes of the tree, and a table of two values.
+    ShapesAndLut,
+    /// Nodes of the tree, and control points.
+    ShapesAndPoints,
+    /// The rows of a table.
+    Rows,
     /// Control points.
     Points,
     /// The corners of a solid.
@@ -43,7 +49,7 @@ const fn rule(
     }
 }
 
-use Children::{Corners, None as Leaf, Points, Shapes, ShapesAndTable};
+use Children::{Corners, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndPoints, ShapesAndTable};
 
 /// Nodes at the top of a file.
 pub(super) const TOP: &[Rule] = &[
@@ -60,7 +66,7 @@ pub(super) const TOP: &[Rule] = &[
             "rule",
             "family",
         ],
-        Shapes,
+        ShapesAndLut,
         "scene { … }",
     ),
     rule(
@@ -114,9 +120,16 @@ pub(super) const SHAPES: &[Rule] = &[
     rule(
         "volume",
         1,
-        &["inside", "dims", "type", "spacing", "endian"],
+        &["inside", "mask", "label", "dims", "type", "spacing", "endian"],
         Leaf,
         "volume \"head.nii.gz\"",
+    ),
+    rule(
+        "mask",
+        1,
+        &["label", "value", "dims", "type", "spacing", "endian"],
+        Leaf,
+        "mask \"labels.nrrd\" label=3",
     ),
     rule(
         "sphere",
@@ -222,14 +235,14 @@ pub(super) const SHAPES: &[Rule] = &[
         "waves size=\"80 80\" depth=8 amplitude=3 wavelength-x=20",
     ),
     rule("mesh", 1, &["unit-mm", "value", "filter"], Leaf, "mesh \"part.stl\""),
-    rule("union", 0, &["rule", "family"], Shapes, "union { … }"),
-    rule("intersect", 0, &["rule", "family"], Shapes, "intersect { … }"),
-    rule("subtract", 0, &["family"], Shapes, "subtract { … }"),
+    rule("union", 0, &["rule", "family"], ShapesAndLut, "union { … }"),
+    rule("intersect", 0, &["rule", "family"], ShapesAndLut, "intersect { … }"),
+    rule("subtract", 0, &["rule", "family"], ShapesAndLut, "subtract { … }"),
     rule(
         "overlay",
         0,
         &["rule", "family"],
-        Shapes,
+        ShapesAndLut,
         "overlay rule=\"second\" { … }",
     ),
     rule("translate", 1, &[], Shapes, "translate \"10 0 0\" { … }"),
@@ -270,6 +283,13 @@ pub(super) const SHAPES: &[Rule] = &[
         "map \"linear\" scale=2 { … }, map \"quadratic\" a=1 { … } or map \"table\" { at 0 0; at 100 255; … }",
     ),
     rule(
+        "classify",
+        0,
+        &["preset", "window", "level", "unit-mm"],
+        ShapesAndPoints,
+        "classify preset=\"ct-bone\" { … } or classify { point 300 opacity=0.2 color=\"#f0e0d0\"; … }",
+    ),
+    rule(
         "cut",
         0,
         &["point", "normal", "filter"],
@@ -281,7 +301,7 @@ pub(super) const SHAPES: &[Rule] = &[
         "repeat",
         0,
         &["count", "by", "axis", "angle", "center", "rule", "family"],
-        Shapes,
+        ShapesAndLut,
         "repeat count=12 angle=30 { … }",
     ),
     rule("define", 1, &[], Shapes, "define \"name\" { … }"),
@@ -291,6 +311,18 @@ pub(super) const SHAPES: &[Rule] = &[
 
 /// A point of a value table.
 pub(super) const AT: &[Rule] = &[rule("at", 2, &[], Leaf, "at 100 255")];
+
+/// A table of two values.
+pub(super) const LUT: &[Rule] = &[rule(
+    "lut",
+    0,
+    &["first", "second", "image", "values"],
+    Rows,
+    "lut first=\"0..255\" second=\"0..255\" { row \"0 100\"; row \"100 255\" }",
+)];
+
+/// A row of a table.
+pub(super) const ROW: &[Rule] = &[rule("row", 1, &[], Leaf, "row \"0 100 255\"")];
 
 /// A control point of a transfer function.
 pub(super) const POINT: &[Rule] = &[rule(
@@ -310,6 +342,9 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::None => &[],
         Children::Shapes => &[SHAPES],
         Children::ShapesAndTable => &[SHAPES, AT],
+        Children::ShapesAndLut => &[SHAPES, LUT],
+        Children::ShapesAndPoints => &[SHAPES, POINT],
+        Children::Rows => &[ROW],
         Children::Points => &[POINT],
         Children::Corners => &[CORNER],
     }
@@ -323,7 +358,7 @@ mod tests {
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
         let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
-        for rule in [TOP, SHAPES, AT, POINT, CORNER].into_iter().flatten() {
+        for rule in [TOP, SHAPES, AT, LUT, ROW, POINT, CORNER].into_iter().flatten() {
             assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
             for property in rule.properties {
                 assert!(documented(property, &['`', '=']), "{} of {}", property, rule.name);

@@ -8,6 +8,7 @@ use super::element::{Element, Value};
 use super::error::{Problem, SceneError};
 use super::loader::{MeshRequest, VolumeRequest};
 use crate::math::{Interval, Plane};
+use crate::model::Admitted;
 use crate::volume::VoxelType;
 use crate::volume::io::ByteOrder;
 use crate::volume::io::raw::RawLayout;
@@ -29,6 +30,29 @@ pub(super) fn volume_request(element: &Element, base_dir: &Path) -> Result<Volum
     })
 }
 
+/// Which voxels of a mask are in it: those that `label` says, or all but 0.
+pub(super) fn admitted(element: &Element) -> Result<Admitted> {
+    let Some(label) = element.get("label") else {
+        return Ok(Admitted::NotZero);
+    };
+    Ok(Admitted::Within(match label.single() {
+        Ok(number) => Interval::point(number),
+        Err(_) => parse_window(label).map_err(|_| label.bad("a number, or a window like \"3..5\""))?,
+    }))
+}
+
+/// The file of the property `mask`, a volume with a header, in the folder `base_dir` unless its path is absolute.
+pub(super) fn mask_request(element: &Element, base_dir: &Path) -> Result<Option<VolumeRequest>> {
+    match (element.get("mask"), element.get("label")) {
+        (None, Some(label)) => Err(label.error(Problem::Conflict("`label` says which part of a `mask` is meant"))),
+        (None, None) => Ok(None),
+        (Some(mask), _) => Ok(Some(VolumeRequest {
+            path: base_dir.join(mask.string()?),
+            raw: None,
+        })),
+    }
+}
+
 /// The file that a mesh node names, and its unit, 1 unless said.
 pub(super) fn mesh_request(element: &Element, base_dir: &Path) -> Result<MeshRequest> {
     Ok(MeshRequest {
@@ -43,7 +67,7 @@ pub(super) fn window(element: &Element) -> Result<Interval> {
 }
 
 /// `"lo..hi"`, either end of which may be missing.
-fn parse_window(value: Value) -> Result<Interval> {
+pub(super) fn parse_window(value: Value) -> Result<Interval> {
     let bad = || value.bad("a window like \"80..\", \"..200\" or \"80..200\"");
     let (lo, hi) = value.string()?.split_once("..").ok_or_else(bad)?;
     let end = |text: &str, missing| match text.trim() {

@@ -25,11 +25,13 @@ mod error;
 mod file;
 mod grammar;
 mod guard;
+mod kinds;
 mod leaves;
 mod loader;
 mod maps;
 mod options;
 mod primitives;
+mod rules;
 mod source;
 mod suggest;
 mod surface;
@@ -50,7 +52,7 @@ pub use surface::SurfaceSpec;
 pub use transfer::{TransferChoice, TransferSpec};
 
 use crate::math::Interval;
-use crate::model::{Model, Node, VolumeLeaf};
+use crate::model::{Kind, Model, Node, VolumeLeaf};
 use crate::projection::{Mode, Projection, Settings, View};
 use appearance::Appearance;
 use tree::{TreeBuilder, scene_element};
@@ -144,6 +146,9 @@ impl Scene {
         let document = file::parse(&source)?;
         let appearance = Appearance::read(&document, &source)?;
         let model = tree.build(scene_element(&document, &source)?, base_dir)?;
+        if model.kind_of_root() == Some(Kind::Color) {
+            Appearance::check_colors(&document, &source)?;
+        }
         Ok(Self::assembled(model, appearance, source))
     }
 
@@ -160,10 +165,18 @@ impl Scene {
         }
     }
 
-    /// Whether samples of the volume are in the picture: always but where it has surfaces, and neither a transfer function nor a
-    /// mode that says how samples are seen.
+    /// Whether samples are colours, by classifying nodes, and need no transfer function.
+    pub fn has_colors(&self) -> bool {
+        self.model.kind_of_root() == Some(Kind::Color)
+    }
+
+    /// Whether samples of the volume are in the picture: always but where it has surfaces, and neither colours, nor a transfer
+    /// function, nor a mode that says how samples are seen.
     pub fn shows_samples(&self) -> bool {
-        self.surfaces.is_empty() || self.transfer.is_some() || self.settings.mode != Mode::Composite
+        self.surfaces.is_empty()
+            || self.has_colors()
+            || self.transfer.is_some()
+            || self.settings.mode != Mode::Composite
     }
 
     /// The scene's text, comments and layout as they were.

@@ -16,13 +16,15 @@ use super::error::{Problem, SceneError};
 use super::file;
 use super::grammar;
 use super::guard::{MAX_BYTES, MAX_DEPTH};
+use super::kinds;
 use super::leaves;
 use super::loader::{MeshRequest, VolumeLoader, VolumeRequest};
 use super::maps;
 use super::primitives;
+use super::rules;
 use super::source::Source;
 use super::transforms;
-use crate::model::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
+use crate::model::{BooleanOp, Combine, Family, Kind, MaskLeaf, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use crate::volume::Bricks;
 use crate::voxelize::{Primitive, Solid, TriangleSolid};
 
@@ -45,6 +47,12 @@ pub(super) struct TreeBuilder<'l> {
 struct Scope {
     base_dir: PathBuf,
     defined: HashMap<String, NodeId>,
+}
+
+/// A child, and where it is written.
+struct Operand<'e> {
+    id: NodeId,
+    element: Element<'e>,
 }
 
 impl Scope {
@@ -91,11 +99,13 @@ impl<'l> TreeBuilder<'l> {
     fn shape_within_depth(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         match element.name() {
             "volume" => self.volume(element, scope),
+            "mask" => self.mask(element, scope),
             "mesh" => self.mesh(element, scope),
             "use" => reference(element, scope),
             "include" => self.include(element, scope),
             "union" | "intersect" | "subtract" | "overlay" => self.combined(element, scope),
             "map" => self.mapped(element, scope),
+            "classify" => self.classified(element, scope),
             "complement" => self.complement(element, scope),
             "repeat" => self.repeated(element, scope),
             "cut" => self.cut(element, scope),
@@ -156,7 +166,7 @@ impl<'l> TreeBuilder<'l> {
     fn complement(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let everything = Primitive::crisp(Solid::Everything, primitives::value(&element)?);
         let first = self.model.push(Node::Primitive(everything));
-        let (op, rule, family) = (BooleanOp::Subtraction, ValueRule::First, family(&element)?);
+        let (op, rule, family) = (BooleanOp::Subtraction, ValueRule::First, rules::family(&element)?);
         let second = self.united(element, scope)?;
         Ok(self.model.push(Node::Combine(Combine {
             op,
@@ -171,8 +181,10 @@ impl<'l> TreeBuilder<'l> {
     fn repeated(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let step = transforms::step(&element)?;
         let count = element.require("count")?.whole(1, 100_000)?;
-        let (rule, family) = (value_rule(&element, ValueRule::First)?, family(&element)?);
+        let rule = rules::value_rule(&element, &scope.base_dir)?;
+        let family = rules::family(&element)?;
         let child = self.united(element, scope)?;
+        let rule = kinds::rule_for(&element, BooleanOp::Union, rule, element, self.model.kind(child))?;
         let mut copies = vec![child];
         let mut parent_from_child = DAffine3::IDENTITY;
         for _ in 1..count {
@@ -189,9 +201,40 @@ impl<'l> TreeBuilder<'l> {
     fn volume(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
         let window = leaves::window(&element)?;
         let request = leaves::volume_request(&element, &scope.base_dir)?;
+        let mask = leaves::mask_request(&element, &scope.base_dir)?;
         let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
         let bricks = self.load(&request).map_err(fails)?;
-        Ok(self.model.push(Node::Volume(VolumeLeaf { bricks, window })))
+        let Some(request) = mask else {
+            return Ok(self.model.push(Node::Volume(VolumeLeaf { bricks, window })));
+        };
+        let admitted = leaves::admitted(&element)?;
+        let fails = |reason| element.error_of("mask", Problem::Volume(reason));
+        let mask = MaskLeaf {
+            bricks: self.load(&request).map_err(fails)?,
+            admitted,
+            value: 1.0,
+        };
+        let first = self.model.push(Node::Volume(VolumeLeaf { bricks, window }));
+        let second = self.model.push(Node::Mask(mask));
+        Ok(self.model.push(Node::Combine(Combine {
+            op: BooleanOp::Intersection,
+            rule: ValueRule::First,
+            family: Family::MinMax,
+            first,
+            second,
+        })))
+    }
+
+    fn mask(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
+        let (admitted, value) = (leaves::admitted(&element)?, primitives::value(&element)?);
+        let request = leaves::volume_request(&element, &scope.base_dir)?;
+        let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
+        let bricks = self.load(&request).map_err(fails)?;
+        Ok(self.model.push(Node::Mask(MaskLeaf {
+            bricks,
+            admitted,
+            value,
+        })))
     }
 
     fn load(&mut self, request: &VolumeRequest) -> std::result::Result<Arc<Bricks>, String> {
@@ -222,26 +265,42 @@ impl<'l> TreeBuilder<'l> {
 
     /// The children of a set operation folded from the left; those of `scene` are united.
     fn combined(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let rule = rules::value_rule(&element, &scope.base_dir)?;
         let (op, least, wanted) = match element.name() {
             "intersect" => (BooleanOp::Intersection, 1, "at least one child"),
-            "subtract" => (BooleanOp::Subtraction, 2, "at least two children"),
-            "overlay" => (BooleanOp::SubtractionWithRule, 2, "at least two children"),
+            "subtract" if rule.is_none() => (BooleanOp::Subtraction, 2, "at least two children"),
+            "subtract" | "overlay" => (BooleanOp::SubtractionWithRule, 2, "at least two children"),
             _ => (BooleanOp::Union, 1, "at least one child"),
         };
-        let rule = match op {
-            BooleanOp::Subtraction => ValueRule::First,
-            BooleanOp::SubtractionWithRule => value_rule(&element, ValueRule::Second)?,
-            _ => value_rule(&element, ValueRule::First)?,
-        };
-        let family = family(&element)?;
+        let family = rules::family(&element)?;
         let operands = self.children(element, scope)?;
         let too_few = || {
             let (node, found) = (element.name(), operands.len());
             element.error(Problem::TooFewChildren { node, wanted, found })
         };
-        let enough = (operands.len() >= least).then_some(&operands);
-        let folded = enough.and_then(|o| self.model.fold(op, rule, family, o.iter().copied()));
-        folded.ok_or_else(too_few)
+        if operands.len() < least {
+            return Err(too_few());
+        }
+        self.folded(element, (op, rule, family), &operands)?.ok_or_else(too_few)
+    }
+
+    /// Operands of one kind folded by a rule for them, which is `rule` if there is one.
+    fn folded(
+        &mut self,
+        element: Element,
+        (op, rule, family): (BooleanOp, Option<ValueRule>, Family),
+        operands: &[Operand],
+    ) -> Result<Option<NodeId>> {
+        let Some((first, others)) = operands.split_first() else {
+            return Ok(None);
+        };
+        let kind = self.model.kind(first.id);
+        for other in others {
+            kinds::require_one(first.element, kind, other.element, self.model.kind(other.id))?;
+        }
+        let rule = kinds::rule_for(&element, op, rule, first.element, kind)?;
+        let ids = operands.iter().map(|operand| operand.id);
+        Ok(self.model.fold(op, rule, family, ids))
     }
 
     fn mapped(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
@@ -253,31 +312,56 @@ impl<'l> TreeBuilder<'l> {
             }
         }
         let map = maps::value_map(&element, &points)?;
-        let child = self.united(element, scope)?;
+        let child = self.united_values(element, scope)?;
         Ok(self.model.push(Node::Transfer { child, map }))
+    }
+
+    fn classified(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let transfer = Arc::new(kinds::transfer_function(&element)?);
+        let child = self.united_values(element, scope)?;
+        Ok(self.model.push(Node::Classify { child, transfer }))
+    }
+
+    /// All children as one node of values.
+    fn united_values(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let children = self.children(element, scope)?;
+        let colored = children.iter().find(|child| self.model.kind(child.id) == Kind::Color);
+        if let Some(child) = colored {
+            return Err(element.error(Problem::WantsValues {
+                node: element.name(),
+                child: child.element.name(),
+                line: child.element.line(),
+            }));
+        }
+        self.united_of(element, &children)
     }
 
     /// All children as one node.
     fn united(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
         let children = self.children(element, scope)?;
-        let united = self
-            .model
-            .fold(BooleanOp::Union, ValueRule::First, Family::default(), children);
+        self.united_of(element, &children)
+    }
+
+    fn united_of(&mut self, element: Element, children: &[Operand]) -> Result<NodeId> {
+        let united = self.folded(element, (BooleanOp::Union, None, Family::default()), children)?;
         let (node, wanted) = (element.name(), "at least one child");
         united.ok_or_else(|| element.error(Problem::TooFewChildren { node, wanted, found: 0 }))
     }
 
-    fn children(&mut self, element: Element, scope: &mut Scope) -> Result<Vec<NodeId>> {
-        let mut ids = Vec::new();
+    fn children<'e>(&mut self, element: Element<'e>, scope: &mut Scope) -> Result<Vec<Operand<'e>>> {
+        let mut operands = Vec::new();
         for child in element.children() {
             let child = child?;
             match child.name() {
-                "at" => {}
+                "at" | "lut" | "point" => {}
                 "define" => self.define(child, scope)?,
-                _ => ids.push(self.shape(child, scope)?),
+                _ => operands.push(Operand {
+                    id: self.shape(child, scope)?,
+                    element: child,
+                }),
             }
         }
-        Ok(ids)
+        Ok(operands)
     }
 
     fn define(&mut self, element: Element, scope: &mut Scope) -> Result<()> {
@@ -343,38 +427,5 @@ fn cycle(chain: &[PathBuf], again: &Path) -> Problem {
     Problem::IncludeCycle {
         path: name(again),
         chain: links.join(" → "),
-    }
-}
-
-const RULES: &[(&str, ValueRule)] = &[
-    ("first", ValueRule::First),
-    ("second", ValueRule::Second),
-    ("max", ValueRule::Max),
-    ("min", ValueRule::Min),
-    ("sum", ValueRule::Sum),
-    ("difference", ValueRule::Difference),
-    ("product", ValueRule::Product),
-    ("average", ValueRule::Average),
-];
-
-/// Property `family`.
-fn family(element: &Element) -> Result<Family> {
-    let families = [("minmax", Family::MinMax), ("product", Family::Product)];
-    element
-        .get("family")
-        .map_or(Ok(Family::default()), |v| v.one_of(&families))
-}
-
-/// Property `rule`: a name, or `"blend T"` with T in [0, 1].
-fn value_rule(element: &Element, default: ValueRule) -> Result<ValueRule> {
-    let Some(value) = element.get("rule") else {
-        return Ok(default);
-    };
-    let Some(share) = value.string()?.strip_prefix("blend") else {
-        return value.one_of(RULES);
-    };
-    match share.trim().parse() {
-        Ok(t) if (0.0..=1.0).contains(&t) => Ok(ValueRule::Blend(t)),
-        _ => Err(value.bad("like \"blend 0.5\", with a share in 0..1")),
     }
 }

@@ -201,6 +201,10 @@ impl Target {
 /// A range that holds every value of `tree` on `lattice`: of the whole and not of blocks, because pictures are made of fractions
 /// of it, and must not depend on the subdivision.
 pub(super) fn value_range(tree: &Tree, lattice: &Lattice) -> Interval {
+    if tree.has_colors() {
+        // Opacities are fractions already.
+        return Interval::new(0.0, 1.0);
+    }
     tree.prune(tree.steps(), &lattice.centres(), None).range.value
 }
 
@@ -280,7 +284,7 @@ impl Splitter<'_> {
     fn block(&self, cube: Cube, pruned: Pruned) -> Subtree {
         let layout = if pruned.range.coverage.lo < 1.0 {
             Layout::Mixed
-        } else if pruned.range.value.is_point() {
+        } else if pruned.range.value.is_point() && !self.tree.has_colors() {
             Layout::Uniform
         } else {
             Layout::Covered

@@ -9,7 +9,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::math::{Aabb, Overlap, affine};
-use crate::model::{Leaf, Source, Step, Tree, VolumeLeaf};
+use crate::model::{Classifier, ColorSample, Leaf, MaskLeaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
 
 /// The voxels `(x, y, z)`, `(x + 1, y, z)`, … as many as `len`.
@@ -69,6 +69,8 @@ impl Voxels {
 struct Row {
     value: Vec<f32>,
     coverage: Vec<f32>,
+    /// Of colours, whose value is their opacity; empty of values.
+    rgb: Vec<[f32; 3]>,
 }
 
 /// Runs paths over rows of voxels; keeps its rows between calls.
@@ -91,11 +93,15 @@ impl<'a> RowEvaluator<'a> {
     /// Brings near what `path` reads of its volumes in a box of the lattice.
     pub fn fetch(&self, path: &[Step], bounds: &Aabb) {
         for step in path {
-            if let Step::LeafInside(index) | Step::Leaf(index) = step
-                && let leaf = self.tree.leaf(*index)
-                && let Source::Volume(volume) = &leaf.source
-            {
-                volume.bricks.fetch(&bounds.transformed(&leaf.local_from_frame));
+            let (Step::LeafInside(index) | Step::Leaf(index)) = step else {
+                continue;
+            };
+            let leaf = self.tree.leaf(*index);
+            match &leaf.source {
+                Source::Volume(VolumeLeaf { bricks, .. }) | Source::Mask(MaskLeaf { bricks, .. }) => {
+                    bricks.fetch(&bounds.transformed(&leaf.local_from_frame));
+                }
+                Source::Primitive(_) => {}
             }
         }
     }
@@ -143,6 +149,18 @@ impl<'a> RowEvaluator<'a> {
         }
     }
 
+    /// Colours times coverage at the voxels evaluated last.
+    pub fn premultiplied_rgb(&self, out: &mut [[f32; 3]]) {
+        let colored = self.rows.first().filter(|row| row.rgb.len() == out.len());
+        let Some(row) = colored else {
+            out.fill([0.0; 3]);
+            return;
+        };
+        for (n, out) in out.iter_mut().enumerate() {
+            *out = row.color(n).premultiplied_rgb();
+        }
+    }
+
     /// The volume that a path consists of, if that is all of it and no value of it is kept out, and the voxels that it
     /// covers: most blocks of most scenes.
     fn lone_volume(&self, path: &[Step], voxels: &Voxels) -> Option<(&'a Leaf, &'a VolumeLeaf, Range<usize>)> {
@@ -167,6 +185,7 @@ impl<'a> RowEvaluator<'a> {
         }
         let row = &mut self.rows[self.depth];
         self.depth += 1;
+        row.rgb.clear();
         for part in [&mut row.value, &mut row.coverage] {
             part.clear();
             part.resize(len, 0.0);
@@ -190,12 +209,17 @@ impl<'a> RowEvaluator<'a> {
                 let map = tree.map(i);
                 self.top().update(|_, s| map.sample(s));
             }
+            Step::Classify(i) => self.top().classify(tree.classifier(i)),
             Step::Cut(i) => {
                 let cut = tree.cut(i);
-                self.top().update(|n, s| {
-                    let p = DVec3::new(voxels.x + n as f64, voxels.y, voxels.z);
-                    if cut.distance(p) > 0.0 { Sample::EMPTY } else { s }
-                });
+                let away = |n: usize| cut.distance(DVec3::new(voxels.x + n as f64, voxels.y, voxels.z)) > 0.0;
+                let top = self.top();
+                top.update(|n, s| if away(n) { Sample::EMPTY } else { s });
+                top.rgb
+                    .iter_mut()
+                    .enumerate()
+                    .filter(|(n, _)| away(*n))
+                    .for_each(|(_, rgb)| *rgb = [0.0; 3]);
             }
             Step::Combine(i) => {
                 let operator = tree.operator(i);
@@ -203,6 +227,13 @@ impl<'a> RowEvaluator<'a> {
                 let (below, above) = self.rows.split_at_mut(self.depth);
                 let (first, second) = (&mut below[self.depth - 1], &above[0]);
                 first.update(|n, s| operator.apply(s, second.sample(n)));
+            }
+            Step::Blend(i) => {
+                let operator = tree.operator(i);
+                self.depth -= 1;
+                let (below, above) = self.rows.split_at_mut(self.depth);
+                let (first, second) = (&mut below[self.depth - 1], &above[0]);
+                first.update_colors(|n, c| operator.blend(&c, &second.color(n)));
             }
         }
     }
@@ -213,6 +244,26 @@ impl Row {
         Sample {
             value: self.value[n],
             coverage: self.coverage[n],
+        }
+    }
+
+    /// The colour at a voxel; black where the row holds values.
+    fn color(&self, n: usize) -> ColorSample {
+        ColorSample {
+            sample: self.sample(n),
+            rgb: self.rgb.get(n).copied().unwrap_or_default(),
+        }
+    }
+
+    fn classify(&mut self, classifier: &Classifier) {
+        self.rgb.resize(self.value.len(), [0.0; 3]);
+        self.update_colors(|_, c| classifier.apply(c.sample));
+    }
+
+    fn update_colors(&mut self, f: impl Fn(usize, ColorSample) -> ColorSample) {
+        for n in 0..self.value.len() {
+            let c = f(n, self.color(n));
+            (self.value[n], self.coverage[n], self.rgb[n]) = (c.sample.value, c.sample.coverage, c.rgb);
         }
     }
 
@@ -233,7 +284,7 @@ impl Row {
     /// Fills the row from a leaf that holds all of it.
     fn fill_inside(&mut self, leaf: &Leaf, voxels: &Voxels) {
         match &leaf.source {
-            Source::Volume(_) => self.fill(leaf, voxels, 0..voxels.len),
+            Source::Volume(_) | Source::Mask(_) => self.fill(leaf, voxels, 0..voxels.len),
             Source::Primitive(placed) => {
                 self.value.fill(placed.value());
                 self.coverage.fill(1.0);
@@ -257,10 +308,10 @@ impl Row {
                     (*v, *c) = (s.value, s.coverage);
                 }
             }
-            Source::Primitive(placed) => {
+            Source::Mask(_) | Source::Primitive(_) => {
                 let local = voxels.in_leaf(leaf);
                 for (n, (v, c)) in values.iter_mut().zip(coverages).enumerate() {
-                    let s = placed.sample(local(n));
+                    let s = leaf.sample_inside(local(n));
                     (*v, *c) = (s.value, s.coverage);
                 }
             }

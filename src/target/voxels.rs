@@ -31,6 +31,9 @@ pub struct BlockVoxels {
     pub premultiplied: Part<f32>,
     /// Coverage; `None` where it is 1 throughout.
     pub coverage: Option<Part<f32>>,
+    /// In a target of colours, whose values are opacities: red, green and blue times opacity and coverage, of one voxel after the
+    /// other.
+    rgb: Option<Part<f32>>,
 }
 
 impl BlockVoxels {
@@ -74,12 +77,29 @@ impl BlockVoxels {
             .collect()
     }
 
+    /// In a target of colours, whose values are opacities: red, green and blue times opacity and coverage.
+    pub fn rgb(&self) -> Option<&[[f32; 3]]> {
+        self.rgb.as_ref().map(|rgb| rgb.as_chunks().0)
+    }
+
+    /// The place of voxel `at` of the lattice, which lies in the block or its apron.
+    fn index(&self, origin: [usize; 3], at: [usize; 3]) -> usize {
+        let [i, j, k]: [usize; 3] = from_fn(|a| at[a] + self.apron - origin[a]);
+        i + self.dims[0] * (j + self.dims[1] * k)
+    }
+
     /// The sample stored at voxel `at` of the lattice, which lies in the block or its apron.
     fn premultiplied_at(&self, origin: [usize; 3], at: [usize; 3]) -> (f32, f32) {
-        let [i, j, k]: [usize; 3] = from_fn(|a| at[a] + self.apron - origin[a]);
-        let n = i + self.dims[0] * (j + self.dims[1] * k);
+        let n = self.index(origin, at);
         (self.premultiplied[n], self.coverage.as_ref().map_or(1.0, |c| c[n]))
     }
+}
+
+/// Some planes of a block's voxels.
+struct Slab<'a> {
+    premultiplied: &'a mut [f32],
+    coverage: Option<&'a mut [f32]>,
+    rgb: Option<&'a mut [[f32; 3]]>,
 }
 
 /// Fills the stored voxels of a block, those of its apron included.
@@ -94,46 +114,58 @@ impl Filler<'_> {
         self.block.extent.map(|n| n + 2 * self.apron)
     }
 
-    /// Numbers that its voxels take: values, and after them coverages where there are any.
+    /// Numbers that its voxels take: of values, after them of coverages, and of colours, where there are any.
+    fn lens(&self) -> [usize; 3] {
+        let voxels = self.dims().iter().product();
+        let mixed = usize::from(self.block.layout == Layout::Mixed);
+        let colored = usize::from(self.target.tree.has_colors());
+        [voxels, mixed * voxels, 3 * colored * voxels]
+    }
+
     fn len(&self) -> usize {
-        let voxels: usize = self.dims().iter().product();
-        match self.block.layout {
-            Layout::Mixed => 2 * voxels,
-            Layout::Covered | Layout::Uniform => voxels,
-        }
+        self.lens().iter().sum()
     }
 
     /// The block's voxels, whose numbers begin at `start`.
     fn voxels(&self, numbers: &Arc<Array<f32>>, start: usize) -> BlockVoxels {
-        let dims = self.dims();
-        let (middle, end) = (start + dims.iter().product::<usize>(), start + self.len());
+        let [values, coverages, colors] = self.lens();
+        let part = |start: usize, len: usize| (len > 0).then(|| Part::new(numbers, start..start + len));
         BlockVoxels {
-            dims,
+            dims: self.dims(),
             apron: self.apron,
-            premultiplied: Part::new(numbers, start..middle),
-            coverage: (middle < end).then(|| Part::new(numbers, middle..end)),
+            premultiplied: Part::new(numbers, start..start + values),
+            coverage: part(start + values, coverages),
+            rgb: part(start + values + coverages, colors),
         }
     }
 
     /// Fills the block's numbers, slabs of it in parallel.
     fn fill(&self, numbers: &mut [f32]) {
         let [width, height, _] = self.dims();
-        let slab = width * height * PART[2];
-        let (values, coverages) = numbers.split_at_mut(self.dims().iter().product());
-        let slabs = values.par_chunks_mut(slab).enumerate();
-        if coverages.is_empty() {
-            slabs.for_each(|(n, values)| self.fill_slab(n * PART[2], values, None));
-        } else {
-            slabs
-                .zip(coverages.par_chunks_mut(slab))
-                .for_each(|((n, values), coverages)| self.fill_slab(n * PART[2], values, Some(coverages)));
-        }
+        let len = width * height * PART[2];
+        let [values, coverages, _] = self.lens();
+        let (values, rest) = numbers.split_at_mut(values);
+        let (coverages, colors) = rest.split_at_mut(coverages);
+        let mut coverages = coverages.chunks_mut(len);
+        let mut colors = colors.as_chunks_mut().0.chunks_mut(len);
+        let slabs: Vec<Slab> = values
+            .chunks_mut(len)
+            .map(|premultiplied| Slab {
+                premultiplied,
+                coverage: coverages.next(),
+                rgb: colors.next(),
+            })
+            .collect();
+        slabs
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(n, slab)| self.fill_slab(n * PART[2], slab));
     }
 
     /// Fills the slab of planes from `plane` on, part by part.
-    fn fill_slab(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
+    fn fill_slab(&self, plane: usize, mut slab: Slab) {
         let [width, height, _] = self.dims();
-        let planes = plane..plane + values.len() / (width * height);
+        let planes = plane..plane + slab.premultiplied.len() / (width * height);
         // Stored columns before the first and after the last one evaluated repeat it.
         let before = self.apron.saturating_sub(self.block.origin[0]);
         let inside = before..before + self.lattice(0, width - 1) + 1 - self.lattice(0, 0);
@@ -141,23 +173,20 @@ impl Filler<'_> {
         for rows in parts(0..height, PART[1]) {
             for columns in parts(inside.clone(), PART[0]) {
                 let part = [columns, rows.clone(), planes.clone()];
-                self.fill_part(&mut evaluator, part, values, coverage.as_deref_mut());
+                self.fill_part(&mut evaluator, part, &mut slab);
             }
         }
-        repeat_ends(values, width, &inside);
-        if let Some(coverage) = coverage {
+        repeat_ends(slab.premultiplied, width, &inside);
+        if let Some(coverage) = slab.coverage {
             repeat_ends(coverage, width, &inside);
+        }
+        if let Some(rgb) = slab.rgb {
+            repeat_ends(rgb, width, &inside);
         }
     }
 
     /// Fills some columns of some rows of a slab of planes.
-    fn fill_part(
-        &self,
-        evaluator: &mut RowEvaluator,
-        part: [Range<usize>; 3],
-        values: &mut [f32],
-        mut coverage: Option<&mut [f32]>,
-    ) {
+    fn fill_part(&self, evaluator: &mut RowEvaluator, part: [Range<usize>; 3], slab: &mut Slab) {
         let path = self.target.path(self.block);
         let end = |axis: usize| self.lattice(axis, part[axis].end - 1);
         let start: [usize; 3] = from_fn(|axis| self.lattice(axis, part[axis].start));
@@ -174,9 +203,12 @@ impl Filler<'_> {
                     path,
                     start[0]..start[0] + columns.len(),
                     [self.lattice(1, j), self.lattice(2, k)],
-                    &mut values[out.clone()],
-                    coverage.as_mut().map(|c| &mut c[out]),
+                    &mut slab.premultiplied[out.clone()],
+                    slab.coverage.as_mut().map(|c| &mut c[out.clone()]),
                 );
+                if let Some(rgb) = &mut slab.rgb {
+                    evaluator.premultiplied_rgb(&mut rgb[out]);
+                }
             }
         }
     }
@@ -195,7 +227,7 @@ fn parts(all: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// Repeats the first and last number of `inside` on both sides of it, in each row.
-fn repeat_ends(rows: &mut [f32], width: usize, inside: &Range<usize>) {
+fn repeat_ends<T: Copy>(rows: &mut [T], width: usize, inside: &Range<usize>) {
     if inside.len() == width {
         return;
     }
@@ -258,6 +290,19 @@ impl<'a> VoxelTarget<'a> {
             Some(b) => self.voxels[b].premultiplied_at(self.target.blocks[b].origin, at),
             None => (0.0, 0.0),
         }
+    }
+
+    /// Red, green and blue times opacity and coverage of voxel `at` of a target of colours, else black; beyond the lattice its
+    /// outermost voxels go on.
+    pub fn rgb(&self, at: [i64; 3]) -> [f32; 3] {
+        let dims = self.target.lattice.dims;
+        let at: [usize; 3] = from_fn(|a| at[a].clamp(0, dims[a] as i64 - 1) as usize);
+        let Some(b) = self.target.block_at(at) else {
+            return [0.0; 3];
+        };
+        let voxels = &self.voxels[b];
+        let n = voxels.index(self.target.blocks[b].origin, at);
+        voxels.rgb().map_or([0.0; 3], |rgb| rgb[n])
     }
 
     /// The eight voxels round lattice point `p`, bit `a` of the index being the higher one on axis `a`, and the fractions

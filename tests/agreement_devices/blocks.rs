@@ -12,7 +12,11 @@ fn recipe(seed: u64, blocks: [usize; 2]) -> Recipe {
     Recipe {
         seed,
         voxels: [VoxelType::F32, VoxelType::U8, VoxelType::I16][seed as usize % 3],
-        content: Content::Volume,
+        content: if seed.is_multiple_of(5) {
+            Content::Blended
+        } else {
+            Content::Volume
+        },
         mode: [Mode::Composite, Mode::Composite, Mode::Mip, Mode::Average][seed as usize % 4],
         lit: seed.is_multiple_of(2),
         perspective: seed % 3 == 1,

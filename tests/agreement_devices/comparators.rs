@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use vcsg::conformance::FrameBounds;
 use vcsg::image::Frame;
 use vcsg::model::{Combine, Model, Node};
-use vcsg::projection::{Mode, SlicePlan};
+use vcsg::projection::{Mode, SlicePlan, TransferFunction};
 use vcsg::target::{Subdivision, Target};
 use vcsg::volume::VoxelType;
 
@@ -25,6 +25,13 @@ const RECIPE: Recipe = Recipe {
     blocks: [8, 8],
 };
 
+/// A coloured volume and a coloured ball, one over the other.
+const BLENDED: Recipe = Recipe {
+    seed: 11,
+    content: Content::Blended,
+    ..RECIPE
+};
+
 /// A scene that is within bounds, ready for a fault.
 struct Case {
     scene: Scene,
@@ -35,7 +42,11 @@ struct Case {
 
 impl Case {
     fn new(bench: &mut Bench) -> Self {
-        let scene = RECIPE.scene();
+        Self::of(bench, &RECIPE)
+    }
+
+    fn of(bench: &mut Bench, recipe: &Recipe) -> Self {
+        let scene = recipe.scene();
         let prepared = bench.prepare(&scene.spec());
         let bounds = bench.bounds(&scene.spec(), &prepared);
         let right = bench.draw(&scene.spec(), &prepared);
@@ -134,13 +145,41 @@ pub fn swapped_blocks_are_out_of_bounds() {
 
 pub fn flipped_operands_are_out_of_bounds() {
     on_device(|bench| {
-        let mut case = Case::new(bench);
+        for (recipe, fault) in [
+            (RECIPE, "the ball without the volume"),
+            (BLENDED, "the colours the other way round"),
+        ] {
+            let mut case = Case::of(bench, &recipe);
+            let lattice = case.scene.target.lattice;
+            case.scene.target = Target::on_lattice(&flipped_model(&recipe), lattice, &subdivision()).expect("a target");
+            let prepared = bench.prepare(&case.scene.spec());
+            let wrong = bench.draw(&case.scene.spec(), &prepared);
+            case.require_discerned(fault, &wrong);
+        }
+    });
+}
+
+pub fn other_opacities_are_out_of_bounds() {
+    on_device(|bench| {
+        let mut case = Case::of(bench, &BLENDED);
         let lattice = case.scene.target.lattice;
-        let flipped = Target::on_lattice(&flipped_model(), lattice, &subdivision()).expect("a target");
-        case.scene.target = flipped;
+        let mut model = Model::default();
+        for node in BLENDED.model(&mut Random(BLENDED.seed)).nodes() {
+            model.push(match node {
+                Node::Classify { child, transfer } => Node::Classify {
+                    child: *child,
+                    // Opacities for a length that is a twentieth longer.
+                    transfer: TransferFunction::new(transfer.points().to_vec(), 1.05 * transfer.unit_mm())
+                        .expect("the same points")
+                        .into(),
+                },
+                other => other.clone(),
+            });
+        }
+        case.scene.target = Target::on_lattice(&model, lattice, &subdivision()).expect("a target");
         let prepared = bench.prepare(&case.scene.spec());
         let wrong = bench.draw(&case.scene.spec(), &prepared);
-        case.require_discerned("the ball without the volume", &wrong);
+        case.require_discerned("colours a twentieth less opaque", &wrong);
     });
 }
 
@@ -165,10 +204,10 @@ fn subdivision() -> Subdivision {
     }
 }
 
-/// The recipe's model with the operands of its subtraction exchanged.
-fn flipped_model() -> Model {
+/// The recipe's model with the operands of its combination exchanged.
+fn flipped_model(recipe: &Recipe) -> Model {
     let mut model = Model::default();
-    let right = RECIPE.model(&mut Random(RECIPE.seed));
+    let right = recipe.model(&mut Random(recipe.seed));
     for node in right.nodes() {
         let node = match node {
             Node::Combine(combine) => Node::Combine(Combine {

@@ -19,13 +19,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every law; each panics with what is wrong.
-const LAWS: [fn(); 17] = [
+const LAWS: [fn(); 18] = [
     blocks::one_block_or_many_the_picture_is_the_same,
     bound_widths::a_smooth_scene_has_narrow_bounds,
     comparators::a_shifted_pixel_is_out_of_bounds,
     comparators::a_dropped_block_is_out_of_bounds,
     comparators::swapped_blocks_are_out_of_bounds,
     comparators::flipped_operands_are_out_of_bounds,
+    comparators::other_opacities_are_out_of_bounds,
     comparators::half_a_texel_is_out_of_bounds,
     meshes::meshes_are_within_bounds,
     meshes::a_sheet_has_narrow_bounds,

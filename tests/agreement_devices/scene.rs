@@ -38,6 +38,8 @@ pub enum Content {
     Carved,
     /// A volume and a ball beside and within it.
     United,
+    /// The same with colours of their own, blended by a rule that the seed chooses, and cut.
+    Blended,
 }
 
 /// All that a frame needs.
@@ -59,6 +61,16 @@ impl Scene {
     }
 }
 
+/// The rules that colours are blended by.
+const COLOR_RULES: [fn() -> ValueRule; 6] = [
+    || ValueRule::Over,
+    || ValueRule::Plus,
+    || ValueRule::In,
+    || ValueRule::Out,
+    || ValueRule::Atop,
+    || ValueRule::Xor,
+];
+
 /// Voxel values are 20 + 200·[0, 1] in every type.
 const VALUES: [f64; 2] = [20.0, 220.0];
 
@@ -67,13 +79,13 @@ pub const FRAME_PX: [u32; 2] = [48, 40];
 impl Recipe {
     /// All of it left to the seed.
     pub fn random(seed: u64) -> Self {
-        use Content::{Carved, Turned, United, Volume};
+        use Content::{Blended, Carved, Turned, United, Volume};
         let random = &mut Random(!seed);
         let mode = random.of(&Mode::ALL);
         Self {
             seed,
             voxels: random.of(&[VoxelType::U8, VoxelType::I16, VoxelType::F32]),
-            content: random.of(&[Volume, Turned, Carved, United]),
+            content: random.of(&[Volume, Turned, Carved, United, Blended]),
             mode: random.of(&[Mode::Composite, mode]),
             lit: random.below(2) == 1,
             perspective: random.below(2) == 1,
@@ -94,7 +106,7 @@ impl Recipe {
         let target = Target::build(&model, spacing_mm, &subdivision).expect("a target");
         let camera = self.view(&mut random).camera(&target.lattice.world_bounds(), FRAME_PX);
         Scene {
-            transfer: transfer(&mut random),
+            transfer: transfer(&mut random, 1.0),
             camera,
             settings: self.settings(&mut random),
             target,
@@ -139,6 +151,18 @@ impl Recipe {
                 let second = model.push(ball);
                 model.push(combine(BooleanOp::Subtraction, ValueRule::First, child, second));
             }
+            Content::Blended => {
+                let ball = model.push(ball);
+                let [first, second] = [volume, ball].map(|child| {
+                    let unit_mm = random.of(&[1.0, 2.5]);
+                    let transfer = Arc::new(transfer(random, unit_mm));
+                    model.push(Node::Classify { child, transfer })
+                });
+                let rule = random.of(&COLOR_RULES)();
+                let child = model.push(combine(BooleanOp::Union, rule, first, second));
+                let plane = Plane::through(center, DVec3::new(1.0, -1.0, 0.5)).expect("a plane");
+                model.push(Node::Cut { child, plane });
+            }
             Content::United => {
                 let second = model.push(ball);
                 model.push(combine(BooleanOp::Union, ValueRule::Max, volume, second));
@@ -171,7 +195,11 @@ impl Recipe {
 
     fn settings(&self, random: &mut Random) -> Settings {
         Settings {
-            mode: self.mode,
+            // Of colours there are no values to see.
+            mode: match self.content {
+                Content::Blended if !self.mode.classifies() => Mode::Composite,
+                _ => self.mode,
+            },
             shading: self.lit.then(|| shading(random)),
             depth_cue: DepthCue {
                 strength: random.of(&[0.0, 0.4]),
@@ -236,7 +264,7 @@ fn typed(voxels: VoxelType, values: &[f64]) -> Voxels {
 }
 
 /// Rising and falling opacity, with low values invisible.
-fn transfer(random: &mut Random) -> TransferFunction {
+fn transfer(random: &mut Random, unit_mm: f64) -> TransferFunction {
     let mut point = |value: f64, opacity: [f64; 2]| ControlPoint {
         value: value as f32,
         color: std::array::from_fn(|_| random.between(0.1, 1.0) as f32),
@@ -248,5 +276,5 @@ fn transfer(random: &mut Random) -> TransferFunction {
         point(160.0, [0.05, 0.5]),
         point(220.0, [0.02, 0.3]),
     ];
-    TransferFunction::new(points, 1.0).expect("rising values")
+    TransferFunction::new(points, unit_mm).expect("rising values")
 }

@@ -13,4 +13,5 @@ mod robust;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
+mod values;
 mod world;

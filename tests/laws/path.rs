@@ -44,6 +44,15 @@ fn block_follows(target: &Target, block: &Block, tree: &Tree) -> Result<(), Stri
         if !same_bits(found.0, truth.premultiplied()) || !same_bits(found.1, truth.coverage) {
             return Err(format!("voxel {voxel:?} of {block:?} is {found:?}, not {truth:?}"));
         }
+        if let Some(stored) = stored.rgb() {
+            let truth = tree.color_sample(at(voxel)).premultiplied_rgb();
+            if stored[n].map(f32::to_bits) != truth.map(f32::to_bits) {
+                return Err(format!(
+                    "voxel {voxel:?} of {block:?} is {:?}, not {truth:?}",
+                    stored[n]
+                ));
+            }
+        }
     }
     Ok(())
 }

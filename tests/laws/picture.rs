@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::image::Frame;
 use vcsg::model::Boundary;
-use vcsg::projection::{DrawCost, FrameSpec, Mode, Settings, Visibility, VisibleBox, VisibleValues, reference};
+use vcsg::projection::{DrawCost, FrameSpec, Settings, Visibility, VisibleBox, VisibleValues, reference};
 use vcsg::target::{OctreeNode, Subdivision, Target, VoxelTarget};
 
 use crate::order::cells_of;
@@ -51,12 +51,8 @@ impl Picture {
 
     /// The boxes that are drawn of `target`.
     fn boxes(&self, target: &Target) -> Vec<VisibleBox> {
-        let range = target.value_range;
         self.of(target, |spec| {
-            let values = match spec.settings.mode {
-                Mode::Mip | Mode::MinIp | Mode::Average => VisibleValues::all(range),
-                _ => VisibleValues::of(&spec.table(), range),
-            };
+            let values = VisibleValues::in_frame(spec);
             let cells = cells_of(target);
             let visibility = Visibility {
                 target,

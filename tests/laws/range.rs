@@ -3,7 +3,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Interval, affine};
-use vcsg::model::{Boundary, Pruned, Source, Step, Tree};
+use vcsg::model::{Boundary, ColorSample, Pruned, Source, Step, Tree};
 use vcsg::target::{Block, BlockVoxels, Target};
 use vcsg::volume::{Sample, SampleRange};
 
@@ -13,14 +13,15 @@ use crate::support::scenes::{scene, subdivision};
 
 /// `path` at `p`, believing what it says: a leaf known to hold the point is not tested again.
 fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
-    let mut stack = Vec::new();
+    let mut stack: Vec<ColorSample> = Vec::new();
     for &step in path {
+        let value = |stack: &mut Vec<ColorSample>| stack.pop().expect("an operand").sample;
         let sample = match step {
             Step::LeafInside(i) => {
                 let leaf = tree.leaf(i);
                 match &leaf.source {
                     Source::Primitive(placed) => Sample::solid(placed.value()),
-                    Source::Volume(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, p)),
+                    Source::Volume(_) | Source::Mask(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, p)),
                 }
             }
             Step::Leaf(i) => {
@@ -31,20 +32,32 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
                     false => Sample::EMPTY,
                 }
             }
-            Step::Map(i) => tree.map(i).sample(stack.pop().expect("an operand")),
+            Step::Map(i) => tree.map(i).sample(value(&mut stack)),
+            Step::Combine(i) => {
+                let second = value(&mut stack);
+                tree.operator(i).apply(value(&mut stack), second)
+            }
+            Step::Classify(i) => {
+                let operand = value(&mut stack);
+                stack.push(tree.classifier(i).apply(operand));
+                continue;
+            }
+            Step::Blend(i) => {
+                let second = stack.pop().expect("two operands");
+                let first = stack.pop().expect("two operands");
+                stack.push(tree.operator(i).blend(&first, &second));
+                continue;
+            }
             Step::Cut(i) => {
                 let kept = tree.cut(i).distance(p) <= 0.0;
                 let operand = stack.pop().expect("an operand");
-                if kept { operand } else { Sample::EMPTY }
-            }
-            Step::Combine(i) => {
-                let second = stack.pop().expect("two operands");
-                tree.operator(i).apply(stack.pop().expect("two operands"), second)
+                stack.push(if kept { operand } else { ColorSample::EMPTY });
+                continue;
             }
         };
-        stack.push(sample);
+        stack.push(ColorSample::of_value(sample));
     }
-    stack.pop().unwrap_or(Sample::EMPTY)
+    stack.pop().map_or(Sample::EMPTY, |c| c.sample)
 }
 
 /// Whether `range` allows `sample`. A value that overflow made NaN is in no interval, and no range speaks of it.

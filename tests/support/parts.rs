@@ -5,7 +5,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Interval, Plane};
-use vcsg::model::{BooleanOp, Family, Operator, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::model::{
+    Admitted, BooleanOp, ControlPoint, Family, Lut, MaskLeaf, Operator, TransferFunction, ValueMap, ValueRule,
+    VolumeLeaf,
+};
 use vcsg::volume::{Bricks, Grid, Voxels};
 use vcsg::voxelize::{Polyhedron, Primitive, Profile, Relief, RoundedBox, Solid, Thread, Waves};
 
@@ -57,6 +60,15 @@ impl Scan {
         }
     }
 
+    /// Where some of the scan's values are, as a leaf.
+    pub fn mask(&self, admitted: Admitted) -> MaskLeaf {
+        MaskLeaf {
+            bricks: self.leaf().bricks,
+            admitted,
+            value: 55.0,
+        }
+    }
+
     /// Values in `[0, 256)`.
     fn values(&self) -> impl Iterator<Item = f32> {
         let Self { dims, texture, .. } = *self;
@@ -99,6 +111,11 @@ pub fn scan(placement: BoxedStrategy<DAffine3>) -> impl Strategy<Value = Scan> {
             window,
         },
     )
+}
+
+/// Masks of a value window, or of all but 0.
+pub fn admitted() -> impl Strategy<Value = Admitted> {
+    prop_oneof![1 => Just(Admitted::NotZero), 3 => window().prop_map(Admitted::Within)]
 }
 
 fn window() -> impl Strategy<Value = Interval> {
@@ -209,7 +226,16 @@ pub fn value_map() -> impl Strategy<Value = ValueMap> {
     ]
 }
 
-/// Every Boolean operation with every value rule in both families.
+/// Tables of two values.
+pub fn lut() -> impl Strategy<Value = Lut> {
+    let axis = || (-100.0f32..100.0, 1.0f32..150.0).prop_map(|(lo, width)| Interval::new(lo, lo + width));
+    (axis(), axis(), 1usize..7, 1usize..7).prop_flat_map(|(first, second, width, height)| {
+        prop::collection::vec(-100.0f32..100.0, width * height)
+            .prop_map(move |values| Lut::new(first, second, width, values).expect("a sound table"))
+    })
+}
+
+/// Every Boolean operation with every value rule that keeps finite values finite, in both families.
 pub fn operator() -> impl Strategy<Value = Operator> {
     let op = prop::sample::select(vec![
         BooleanOp::Union,
@@ -219,7 +245,7 @@ pub fn operator() -> impl Strategy<Value = Operator> {
         BooleanOp::SubtractionWithRule,
     ]);
     let rule = prop_oneof![
-        8 => prop::sample::select(vec![
+        10 => prop::sample::select(vec![
             ValueRule::First,
             ValueRule::Second,
             ValueRule::Max,
@@ -228,11 +254,51 @@ pub fn operator() -> impl Strategy<Value = Operator> {
             ValueRule::Difference,
             ValueRule::Product,
             ValueRule::Average,
+            ValueRule::AlgebraicSum,
+            ValueRule::AbsoluteDifference,
         ]),
         1 => (0.0f32..=1.0).prop_map(ValueRule::Blend),
+        2 => lut().prop_map(|lut| ValueRule::Table(Arc::new(lut))),
     ];
     let family = prop::sample::select(vec![Family::MinMax, Family::Product]);
     (op, rule, family).prop_map(|(op, rule, family)| Operator { op, rule, family })
+}
+
+/// Every Boolean operation with every rule of colours, in both families.
+pub fn color_operator() -> impl Strategy<Value = Operator> {
+    let op = prop::sample::select(vec![
+        BooleanOp::Union,
+        BooleanOp::Union,
+        BooleanOp::Intersection,
+        BooleanOp::Subtraction,
+        BooleanOp::SubtractionWithRule,
+    ]);
+    let rule = prop::sample::select(vec![
+        ValueRule::First,
+        ValueRule::Second,
+        ValueRule::Over,
+        ValueRule::Plus,
+        ValueRule::In,
+        ValueRule::Out,
+        ValueRule::Atop,
+        ValueRule::Xor,
+    ]);
+    let family = prop::sample::select(vec![Family::MinMax, Family::Product]);
+    (op, rule, family).prop_map(|(op, rule, family)| Operator { op, rule, family })
+}
+
+/// Transfer functions of the values that volumes and primitives have, often with transparent stretches.
+pub fn transfer() -> impl Strategy<Value = TransferFunction> {
+    let opacity = prop_oneof![2 => Just(0.0f32), 2 => 0.0f32..=1.0, 1 => Just(1.0f32)];
+    let point = (-120.0f32..260.0, prop::array::uniform3(0.0f32..=1.0), opacity);
+    let unit_mm = prop_oneof![Just(1.0), 0.3f64..5.0];
+    (prop::collection::vec(point, 1..6), unit_mm).prop_map(|(mut points, unit_mm)| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let points = points
+            .into_iter()
+            .map(|(value, color, opacity)| ControlPoint { value, color, opacity });
+        TransferFunction::new(points.collect(), unit_mm).expect("a valid function")
+    })
 }
 
 /// Whole-voxel shifts of some 12 voxels.

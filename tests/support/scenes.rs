@@ -1,26 +1,33 @@
 //! Random models on lattices of at most some 30,000 voxels.
 
 use std::fmt;
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Plane};
-use vcsg::model::{BooleanOp, Boundary, Combine, Family, Model, Node, NodeId, Operator, Tree, ValueMap, ValueRule};
+use vcsg::model::{
+    Admitted, BooleanOp, Boundary, Combine, Family, Kind, Model, Node, NodeId, Operator, TransferFunction, Tree,
+    ValueMap, ValueRule,
+};
 use vcsg::target::{Lattice, Subdivision, Target};
 use vcsg::voxelize::{Primitive, Solid};
 
 use super::parts::{self, Scan};
+use super::seeded;
 
 /// A model before it is one.
 #[derive(Clone, Debug)]
 pub enum Part {
     Volume(Scan),
+    Mask(Scan, Admitted),
     Primitive(Primitive),
     Transform(Box<Part>, DAffine3),
     Transfer(Box<Part>, ValueMap),
+    Classify(Box<Part>, Arc<TransferFunction>),
     Cut(Box<Part>, Plane),
     Combine(Operator, Box<Part>, Box<Part>),
-    /// Some node that is already in the model.
+    /// Some node of values that is already in the model.
     Again(prop::sample::Index),
 }
 
@@ -35,6 +42,7 @@ impl Builder {
     fn push(&mut self, part: &Part) -> NodeId {
         let node = match part {
             Part::Volume(scan) => Node::Volume(scan.leaf()),
+            Part::Mask(scan, admitted) => Node::Mask(scan.mask(*admitted)),
             Part::Primitive(primitive) => Node::Primitive(primitive.clone()),
             Part::Transform(child, parent_from_child) => Node::Transform {
                 child: self.push(child),
@@ -44,19 +52,25 @@ impl Builder {
                 child: self.push(child),
                 map: map.clone(),
             },
+            Part::Classify(child, transfer) => Node::Classify {
+                child: self.push(child),
+                transfer: Arc::clone(transfer),
+            },
             Part::Cut(child, plane) => Node::Cut {
                 child: self.push(child),
                 plane: *plane,
             },
             Part::Combine(operator, first, second) => {
                 let (first, second) = (self.push(first), self.push(second));
-                Node::Combine(combination(*operator, first, second))
+                Node::Combine(combination(operator.clone(), first, second))
             }
             Part::Again(_) if self.made.is_empty() => ball(),
             Part::Again(which) => return *which.get(&self.made),
         };
         let id = self.model.push(node);
-        self.made.push(id);
+        if self.model.kind(id) == Kind::Value {
+            self.made.push(id);
+        }
         id
     }
 }
@@ -121,7 +135,14 @@ fn bounded(mut model: Model) -> Model {
     } else {
         return model;
     };
-    let second = model.push(node);
+    let mut second = model.push(node);
+    if model.kind(root) == Kind::Color {
+        let transfer = Arc::new(seeded(&parts::transfer(), 1));
+        second = model.push(Node::Classify {
+            child: second,
+            transfer,
+        });
+    }
     model.fold(op, ValueRule::First, Family::MinMax, [root, second]);
     // A union with something endless has to be bounded in its turn.
     bounded(model)
@@ -147,8 +168,29 @@ fn small_lattice(model: &Model) -> Lattice {
     Lattice::axis_aligned(&bounds, bounds.size().max_element() / 26.0).expect("a bounded model")
 }
 
-/// Random scenes: freely placed, or with all volumes on one lattice; primitives are soft or crisp.
+/// Random scenes of values or of colours.
 pub fn scene() -> impl Strategy<Value = Scene> {
+    prop_oneof![3 => value_scene().boxed(), 2 => color_scene().boxed()]
+}
+
+/// Random scenes of colours: scenes of values classified each by a transfer function of its own, and combined.
+pub fn color_scene() -> impl Strategy<Value = Scene> {
+    let primitive = prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed();
+    let values = tree(parts::placement().boxed(), primitive, true);
+    let leaf = (values, parts::transfer()).prop_map(|(p, t)| Part::Classify(Box::new(p), Arc::new(t)));
+    let colored = leaf.prop_recursive(3, 4, 2, |part| {
+        let boxed = || part.clone().prop_map(Box::new);
+        prop_oneof![
+            6 => (parts::color_operator(), boxed(), boxed()).prop_map(|(o, a, b)| Part::Combine(o, a, b)),
+            1 => (boxed(), parts::plane()).prop_map(|(p, plane)| Part::Cut(p, plane)),
+            1 => (boxed(), parts::placement()).prop_map(|(p, m)| Part::Transform(p, m)),
+        ]
+    });
+    colored.prop_map(Scene::new)
+}
+
+/// Random scenes of values: freely placed, or with all volumes on one lattice; primitives are soft or crisp.
+pub fn value_scene() -> impl Strategy<Value = Scene> {
     scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed())
 }
 
@@ -172,7 +214,8 @@ fn tree(
     transforms: bool,
 ) -> impl Strategy<Value = Part> {
     let leaf = prop_oneof![
-        4 => parts::scan(placement).prop_map(Part::Volume),
+        4 => parts::scan(placement.clone()).prop_map(Part::Volume),
+        1 => (parts::scan(placement), parts::admitted()).prop_map(|(scan, admitted)| Part::Mask(scan, admitted)),
         3 => primitive.prop_map(Part::Primitive),
         1 => any::<prop::sample::Index>().prop_map(Part::Again),
     ];

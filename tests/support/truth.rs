@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 use vcsg::math::{Aabb, Interval};
-use vcsg::model::{BooleanOp, Combine, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
+use vcsg::model::{Admitted, BooleanOp, Combine, Lut, MaskLeaf, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 use vcsg::volume::Bricks;
 use vcsg::voxelize::Solid;
 
@@ -35,6 +35,7 @@ pub struct Undecided;
 pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
     match model.node(id) {
         Node::Volume(leaf) => volume(leaf, leaf.bricks.world_from_index().inverse().transform_point3(p)),
+        Node::Mask(leaf) => mask(leaf, leaf.bricks.world_from_index().inverse().transform_point3(p)),
         Node::Primitive(crisp) => Ok(side(depth_within(&crisp.solid, p))?.then_some(Bounded {
             value: f64::from(crisp.value),
             error: 0.0,
@@ -44,6 +45,8 @@ pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
             parent_from_child,
         } => sample(model, *child, parent_from_child.inverse().transform_point3(p)),
         Node::Transfer { child, map } => Ok(sample(model, *child, p)?.map(|v| mapped(map, v))),
+        // No opacity is a value of a definition.
+        Node::Classify { .. } => Err(Undecided),
         Node::Cut { child, plane } => {
             let kept = side(-(plane.normal.dot(p) + plane.offset))?;
             Ok(sample(model, *child, p)?.filter(|_| kept))
@@ -94,6 +97,28 @@ fn volume(leaf: &VolumeLeaf, p: DVec3) -> Truth {
         return Err(Undecided);
     }
     Ok(margins.iter().all(|&m| m > 0.0).then_some(v))
+}
+
+/// What the voxel says whose cell holds the point.
+fn mask(leaf: &MaskLeaf, p: DVec3) -> Truth {
+    let bricks = &leaf.bricks;
+    if !side(depth_in_box(&bricks.index_bounds(), p))? {
+        return Ok(None);
+    }
+    let nearest = p.round();
+    if ((p - nearest).abs().max_element() - 0.5).abs() <= NEAR {
+        return Err(Undecided);
+    }
+    let [i, j, k] = nearest.to_array().map(|n| n as usize);
+    let voxel = bricks.voxel(i, j, k);
+    let inside = match leaf.admitted {
+        Admitted::NotZero => voxel != 0.0 && !voxel.is_nan(),
+        Admitted::Within(Interval { lo, hi }) => lo <= voxel && voxel <= hi,
+    };
+    Ok(inside.then_some(Bounded {
+        value: f64::from(leaf.value),
+        error: 0.0,
+    }))
 }
 
 /// The trilinear interpolation at index-space point `p`; `None` next to a missing voxel.
@@ -178,7 +203,7 @@ fn extent(points: &[(f32, f32)], x: f64) -> f64 {
 
 /// VCSG §2.3 for crisp operands: the first alone, the second alone, and `u` where both are.
 fn combined(c: &Combine, first: Option<Bounded>, second: Option<Bounded>) -> Option<Bounded> {
-    let both = first.zip(second).map(|(a, b)| joined(c.rule, a, b));
+    let both = first.zip(second).map(|(a, b)| joined(&c.rule, a, b));
     match c.op {
         BooleanOp::Union => both.or(first).or(second),
         BooleanOp::Intersection => both,
@@ -187,7 +212,7 @@ fn combined(c: &Combine, first: Option<Bounded>, second: Option<Bounded>) -> Opt
     }
 }
 
-fn joined(rule: ValueRule, a: Bounded, b: Bounded) -> Bounded {
+fn joined(rule: &ValueRule, a: Bounded, b: Bounded) -> Bounded {
     let (v, w) = (a.value, b.value);
     let rounding = 2.0 * EPSILON * (v.abs() + w.abs() + a.error + b.error);
     let (value, error) = match rule {
@@ -199,13 +224,61 @@ fn joined(rule: ValueRule, a: Bounded, b: Bounded) -> Bounded {
         ValueRule::Difference => (v - w, a.error + b.error + rounding),
         ValueRule::Average => (0.5 * (v + w), 0.5 * (a.error + b.error) + rounding),
         ValueRule::Blend(t) => {
-            let t = f64::from(t);
+            let t = f64::from(*t);
             (t * v + (1.0 - t) * w, t * a.error + (1.0 - t) * b.error + rounding)
         }
         ValueRule::Product => {
             let slope = v.abs() * b.error + w.abs() * a.error + a.error * b.error;
             (v * w, slope + EPSILON * ((v * w).abs() + slope))
         }
+        ValueRule::AlgebraicSum => {
+            let slope = (1.0 + v.abs() + a.error) * b.error + (1.0 + w.abs() + b.error) * a.error;
+            // Three roundings, each of at most the sum of all terms.
+            let terms = v.abs() + w.abs() + (v * w).abs() + slope;
+            (v + w - v * w, slope + 2.0 * EPSILON * terms)
+        }
+        ValueRule::AbsoluteDifference => ((v - w).abs(), a.error + b.error + rounding),
+        ValueRule::Quotient => {
+            // Where the divisor may be 0 the error is infinite.
+            let least = (w.abs() - b.error).max(0.0);
+            let slope = (a.error + (v / w).abs() * b.error) / least;
+            (v / w, slope + EPSILON * ((v / w).abs() + slope))
+        }
+        ValueRule::Over | ValueRule::Plus | ValueRule::In | ValueRule::Out | ValueRule::Atop | ValueRule::Xor => {
+            unreachable!("rules of colours in a scene of values")
+        }
+        ValueRule::Table(lut) => return tabulated(lut, a, b),
     };
     Bounded { value, error }
+}
+
+/// A table's bilinear value. It changes by no more than neighbouring entries differ for a step of one entry.
+fn tabulated(lut: &Lut, a: Bounded, b: Bounded) -> Bounded {
+    let (width, values) = (lut.width(), lut.values());
+    let height = values.len() / width;
+    let [first, second] = lut.axes();
+    let ((x, x_error), (y, y_error)) = (entries_from(first, width, a), entries_from(second, height, b));
+    let entry = |i: usize, j: usize| f64::from(values[i.min(width - 1) + width * j.min(height - 1)]);
+    let (i, j) = (x.floor() as usize, y.floor() as usize);
+    let (s, t) = (x.fract(), y.fract());
+    let row = |j: usize| (1.0 - s) * entry(i, j) + s * entry(i + 1, j);
+    let all = || (0..width * height).map(|n| (n % width, n / width));
+    let steepest = |by: [usize; 2]| {
+        let rise = |(i, j): (usize, usize)| (entry(i + by[0], j + by[1]) - entry(i, j)).abs();
+        all().map(rise).fold(0.0, f64::max)
+    };
+    let largest = all().map(|(i, j)| entry(i, j).abs()).fold(0.0, f64::max);
+    Bounded {
+        value: (1.0 - t) * row(j) + t * row(j + 1),
+        // Two interpolations, one after the other, of a difference, two products and a sum.
+        error: steepest([1, 0]) * x_error + steepest([0, 1]) * y_error + 4.0 * EPSILON * largest,
+    }
+}
+
+/// How many entries from the first one `v` lies, and how far the tree's place may be from there: the error of the value, and a
+/// difference, a width, a quotient and a product that are rounded.
+fn entries_from(axis: Interval, entries: usize, v: Bounded) -> (f64, f64) {
+    let (last, width) = ((entries - 1) as f64, f64::from(axis.hi) - f64::from(axis.lo));
+    let place = ((v.value - f64::from(axis.lo)) / width).clamp(0.0, 1.0) * last;
+    (place, last / width * v.error + 2.0 * EPSILON * last)
 }

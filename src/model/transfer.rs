@@ -1,10 +1,7 @@
 //! Transfer functions: values to colour and opacity.
 //!
 //! *Practice.* Colour and opacity are piecewise linear between control points. Opacity is stated for a unit length, and a
-//! slab of another thickness gets `1 − (1−α)^(length/unit)`. Projectors read a [`TransferTable`]: the function sampled at
-//! 4096 values over the target's value range, corrected for the slab thickness and premultiplied. A value takes the nearest
-//! entry: at this length the steps are finer than a picture's own, and no filtering is paid for. The table is what all
-//! projectors share, so they agree on it exactly.
+//! slab of another thickness gets `1 − (1−α)^(length/unit)`.
 
 use crate::math::Interval;
 
@@ -135,53 +132,6 @@ impl ControlPoint {
     }
 }
 
-/// A transfer function sampled over a value range for one slab thickness.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TransferTable {
-    entries: Vec<[f32; 4]>,
-}
-
-impl TransferTable {
-    /// Entries of a table; entry `i` is the function at fraction `i / (LEN − 1)` of the value range.
-    pub const LEN: usize = 4096;
-
-    /// Samples `function` over `range`, with opacities for slabs of `slab_mm` millimetres.
-    pub fn new(function: &TransferFunction, range: Interval, slab_mm: f64) -> Self {
-        let exponent = slab_mm / function.unit_mm();
-        let entry = |i: usize| {
-            let fraction = i as f32 / (Self::LEN - 1) as f32;
-            let (color, opacity) = function.evaluate(range.lo + fraction * range.width().max(0.0));
-            let alpha = (1.0 - (1.0 - f64::from(opacity)).powf(exponent)) as f32;
-            [color[0] * alpha, color[1] * alpha, color[2] * alpha, alpha]
-        };
-        Self {
-            entries: (0..Self::LEN).map(entry).collect(),
-        }
-    }
-
-    /// Premultiplied RGBA of each entry.
-    pub fn entries(&self) -> &[[f32; 4]] {
-        &self.entries
-    }
-
-    /// Premultiplied RGBA at a `fraction` of the value range, in [0, 1]: the nearest entry.
-    pub fn at(&self, fraction: f64) -> [f64; 4] {
-        let nearest = fraction.clamp(0.0, 1.0) * (Self::LEN - 1) as f64 + 0.5;
-        self.entries[nearest as usize].map(f64::from)
-    }
-}
-
-/// A premultiplied table entry for a path `length` times as long as the table's slab: `α' = 1 − (1−α)^length`, the colour
-/// kept.
-pub fn lengthened([r, g, b, a]: [f64; 4], length: f64) -> [f64; 4] {
-    if length == 1.0 || a <= 0.0 {
-        return [r, g, b, a];
-    }
-    let longer = 1.0 - (1.0 - a).powf(length);
-    let scale = longer / a;
-    [r * scale, g * scale, b * scale, longer]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,15 +150,6 @@ mod tests {
         assert_eq!(ramp().evaluate(50.0), ([1.0, 0.5, 0.0], 0.25));
         assert_eq!(ramp().evaluate(-1.0).1, 0.0);
         assert_eq!(ramp().evaluate(1e9).1, 0.5);
-    }
-
-    #[test]
-    fn two_thin_slabs_are_as_opaque_as_a_thick_one() {
-        let range = Interval::new(0.0, 100.0);
-        let thin = TransferTable::new(&ramp(), range, 0.7).at(0.8)[3];
-        let thick = TransferTable::new(&ramp(), range, 1.4).at(0.8)[3];
-        // f32 entries: a relative rounding of 2^-24 each.
-        assert!((1.0 - (1.0 - thin) * (1.0 - thin) - thick).abs() < 3.0 * 2f64.powi(-24));
     }
 
     #[test]
