@@ -1,11 +1,14 @@
 //! The Volumetric CSG tree: what it is made of, what it evaluates to, and where it can be (VCSG §2).
 
 mod bounds;
+mod changes;
 mod combine;
 mod node;
+mod pool;
 mod prune;
 mod tree;
 
+pub use changes::Changes;
 pub use combine::Operator;
 pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 pub use prune::{Boundary, Pruned};

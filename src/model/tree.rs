@@ -10,6 +10,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
+use super::pool::Pool;
 use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::Sample;
@@ -31,7 +32,7 @@ pub enum Step {
 }
 
 /// What a leaf is made of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// Voxels; the local frame is the volume's index space.
     Volume(VolumeLeaf),
@@ -40,7 +41,7 @@ pub enum Source {
 }
 
 /// A leaf and where it is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Leaf {
     /// What it is.
     pub source: Source,
@@ -69,14 +70,14 @@ struct Sampling {
     grade: Option<Grade>,
 }
 
-/// A model flattened in one frame.
+/// A model flattened in one frame. Parts that are the same are one part: steps with one index.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
     steps: Vec<Step>,
-    leaves: Vec<Leaf>,
-    maps: Vec<ValueMap>,
-    cuts: Vec<FramePlane>,
-    operators: Vec<Operator>,
+    leaves: Pool<Leaf>,
+    maps: Pool<ValueMap>,
+    cuts: Pool<FramePlane>,
+    operators: Pool<Operator>,
 }
 
 /// Why a model cannot be flattened.
@@ -243,38 +244,48 @@ impl Tree {
             }
             Node::Transform { .. } => {}
             Node::Transfer { map, .. } => {
-                self.steps.push(Step::Map(self.maps.len() as u32));
-                self.maps.push(map.clone());
+                let index = self.maps.add(map.clone());
+                self.steps.push(Step::Map(index));
             }
             Node::Cut { plane, .. } => {
-                self.steps.push(Step::Cut(self.cuts.len() as u32));
-                self.cuts.push(FramePlane::from(plane).moved(node_from_frame));
+                let index = self.cuts.add(FramePlane::from(plane).moved(node_from_frame));
+                self.steps.push(Step::Cut(index));
             }
             Node::Combine(Combine { op, rule, family, .. }) => {
-                self.steps.push(Step::Combine(self.operators.len() as u32));
-                self.operators.push(Operator {
+                let index = self.operators.add(Operator {
                     op: *op,
                     rule: *rule,
                     family: *family,
                 });
+                self.steps.push(Step::Combine(index));
             }
         }
     }
 
     fn push_leaf(&mut self, leaf: Leaf) {
-        self.steps.push(Step::Leaf(self.leaves.len() as u32));
-        self.leaves.push(leaf);
+        let index = self.leaves.add(leaf);
+        self.steps.push(Step::Leaf(index));
     }
 
     /// The tree with what lies on the side of `planes` (world) that their normals point to taken away.
     pub fn cut_by(mut self, planes: &[Plane], world_from_frame: &DAffine3) -> Self {
         if !self.steps.is_empty() {
             for plane in planes {
-                self.steps.push(Step::Cut(self.cuts.len() as u32));
-                self.cuts.push(FramePlane::from(plane).moved(world_from_frame));
+                let index = self.cuts.add(FramePlane::from(plane).moved(world_from_frame));
+                self.steps.push(Step::Cut(index));
             }
         }
         self
+    }
+
+    /// For each leaf, map, plane and operator the index of the same one in `other`.
+    pub(super) fn parts_in(&self, other: &Self) -> [Vec<Option<u32>>; 4] {
+        [
+            self.leaves.places_in(&other.leaves),
+            self.maps.places_in(&other.maps),
+            self.cuts.places_in(&other.cuts),
+            self.operators.places_in(&other.operators),
+        ]
     }
 
     /// The steps of the whole tree, in post-order.
@@ -284,37 +295,37 @@ impl Tree {
 
     /// Leaf `index` of a [`Step::Leaf`].
     pub fn leaf(&self, index: u32) -> &Leaf {
-        &self.leaves[index as usize]
+        &self.leaves.parts()[index as usize]
     }
 
     /// All leaves.
     pub fn leaves(&self) -> &[Leaf] {
-        &self.leaves
+        self.leaves.parts()
     }
 
     /// Map `index` of a [`Step::Map`].
     pub fn map(&self, index: u32) -> &ValueMap {
-        &self.maps[index as usize]
+        &self.maps.parts()[index as usize]
     }
 
     /// Plane `index` of a [`Step::Cut`].
     pub fn cut(&self, index: u32) -> &FramePlane {
-        &self.cuts[index as usize]
+        &self.cuts.parts()[index as usize]
     }
 
     /// Operator `index` of a [`Step::Combine`].
     pub fn operator(&self, index: u32) -> &Operator {
-        &self.operators[index as usize]
+        &self.operators.parts()[index as usize]
     }
 
     /// All operators.
     pub fn operators(&self) -> &[Operator] {
-        &self.operators
+        self.operators.parts()
     }
 
     /// Whether any value is mapped.
     pub fn has_maps(&self) -> bool {
-        !self.maps.is_empty()
+        !self.maps.parts().is_empty()
     }
 
     /// The model at point `p` of the frame: the truth.

@@ -9,7 +9,8 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Block, Layout, OctreeNode, RowEvaluator, Target};
+use super::update::Earlier;
+use super::{Block, Cube, Layout, OctreeNode, RowEvaluator, Target};
 use crate::math::Aabb;
 use crate::volume::Sample;
 
@@ -18,7 +19,7 @@ use crate::volume::Sample;
 const PART: [usize; 3] = [32, 16, 8];
 
 /// The voxels of one block and of an apron round it, x fastest. Beyond the lattice its outermost voxels go on.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockVoxels {
     /// Voxels along each axis, apron included.
     pub dims: [usize; 3],
@@ -33,34 +34,24 @@ pub struct BlockVoxels {
 impl BlockVoxels {
     /// Reconstructs `block` with `apron` voxels on each side, slabs of it in parallel.
     pub fn reconstruct(target: &Target, block: &Block, apron: usize) -> Self {
-        let dims = block.extent.map(|n| n + 2 * apron);
-        let plane = dims[0] * dims[1];
-        let mut premultiplied = vec![0.0; plane * dims[2]];
-        let mut coverage = vec![
-            0.0;
-            if block.layout == Layout::Mixed {
-                plane * dims[2]
-            } else {
-                0
-            }
-        ];
-        // An absent coverage still needs a slice for each slab.
-        let coverage_plane = if coverage.is_empty() { 0 } else { plane };
-        let filler = Filler { target, block, apron };
-        let slabs = premultiplied.par_chunks_mut(plane * PART[2]).enumerate();
-        if coverage_plane == 0 {
-            slabs.for_each(|(n, values)| filler.fill(n * PART[2], values, None));
-        } else {
-            slabs
-                .zip(coverage.par_chunks_mut(coverage_plane * PART[2]))
-                .for_each(|((n, values), coverage)| filler.fill(n * PART[2], values, Some(coverage)));
-        }
-        Self {
-            dims,
+        let filler = Filler {
+            target,
+            block,
             apron,
-            premultiplied,
-            coverage: (coverage_plane > 0).then_some(coverage),
-        }
+            earlier: None,
+        };
+        filler.reconstruct()
+    }
+
+    /// Reconstructs `block` without an apron, with what still holds of earlier voxels copied.
+    pub(super) fn reconstruct_after(target: &Target, block: &Block, earlier: &Earlier) -> Self {
+        let filler = Filler {
+            target,
+            block,
+            apron: 0,
+            earlier: Some(earlier),
+        };
+        filler.reconstruct()
     }
 
     /// The sample stored at voxel `at` of the lattice, which lies in the block or its apron.
@@ -76,9 +67,41 @@ struct Filler<'a> {
     target: &'a Target,
     block: &'a Block,
     apron: usize,
+    earlier: Option<&'a Earlier<'a>>,
 }
 
 impl Filler<'_> {
+    fn reconstruct(&self) -> BlockVoxels {
+        let (block, apron) = (self.block, self.apron);
+        let dims = block.extent.map(|n| n + 2 * apron);
+        let plane = dims[0] * dims[1];
+        let mut premultiplied = vec![0.0; plane * dims[2]];
+        let mut coverage = vec![
+            0.0;
+            if block.layout == Layout::Mixed {
+                plane * dims[2]
+            } else {
+                0
+            }
+        ];
+        // An absent coverage still needs a slice for each slab.
+        let coverage_plane = if coverage.is_empty() { 0 } else { plane };
+        let slabs = premultiplied.par_chunks_mut(plane * PART[2]).enumerate();
+        if coverage_plane == 0 {
+            slabs.for_each(|(n, values)| self.fill(n * PART[2], values, None));
+        } else {
+            slabs
+                .zip(coverage.par_chunks_mut(coverage_plane * PART[2]))
+                .for_each(|((n, values), coverage)| self.fill(n * PART[2], values, Some(coverage)));
+        }
+        BlockVoxels {
+            dims,
+            apron,
+            premultiplied,
+            coverage: (coverage_plane > 0).then_some(coverage),
+        }
+    }
+
     /// Fills the slab of planes from `plane` on, part by part.
     fn fill(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
         let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
@@ -112,20 +135,24 @@ impl Filler<'_> {
         let start: [usize; 3] = from_fn(|axis| self.lattice(axis, part[axis].start));
         let box_of =
             |corners: [[usize; 3]; 2]| Aabb::of_points(corners.map(|c| DVec3::from_array(c.map(|n| n as f64))));
-        evaluator.fetch(path, &box_of([start, from_fn(end)]));
+        let last: [usize; 3] = from_fn(end);
+        let earlier = self.earlier.and_then(|earlier| earlier.rows(start, last));
+        if earlier.is_none() {
+            evaluator.fetch(path, &box_of([start, last]));
+        }
         let [columns, rows, planes] = part;
         let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
         for k in planes.clone() {
             for j in rows.clone() {
                 let row = ((k - planes.start) * height + j) * width;
                 let out = row + columns.start..row + columns.end;
-                evaluator.evaluate(
-                    path,
-                    start[0]..start[0] + columns.len(),
-                    [self.lattice(1, j), self.lattice(2, k)],
-                    &mut values[out.clone()],
-                    coverage.as_mut().map(|c| &mut c[out]),
-                );
+                let i = start[0]..start[0] + columns.len();
+                let jk = [self.lattice(1, j), self.lattice(2, k)];
+                let (values, coverage) = (&mut values[out.clone()], coverage.as_mut().map(|c| &mut c[out]));
+                match &earlier {
+                    Some(rows) => rows.copy(i, jk, values, coverage),
+                    None => evaluator.evaluate(path, i, jk, values, coverage),
+                }
             }
         }
     }
@@ -177,6 +204,11 @@ impl<'a> VoxelTarget<'a> {
             .par_iter()
             .map(|block| BlockVoxels::reconstruct(target, block, 0))
             .collect();
+        Self::with(target, voxels)
+    }
+
+    /// The target with `voxels` for its blocks, which have no aprons.
+    pub fn with(target: &'a Target, voxels: Vec<BlockVoxels>) -> Self {
         let mut whole = Self {
             target,
             voxels,
@@ -240,19 +272,22 @@ impl<'a> VoxelTarget<'a> {
 impl Target {
     /// The index of the block that holds voxel `at` of the lattice; `None` where nothing is.
     pub fn block_at(&self, at: [usize; 3]) -> Option<usize> {
+        match self.leaf_at(at).1 {
+            OctreeNode::Block(index) => Some(index as usize),
+            _ => None,
+        }
+    }
+
+    /// The leaf of the octree that holds voxel `at` of the lattice, and its cube.
+    pub(super) fn leaf_at(&self, at: [usize; 3]) -> (Cube, OctreeNode) {
         let mut cube = self.octree.root;
         let mut node = self.octree.nodes[0];
-        loop {
-            match node {
-                OctreeNode::Empty => return None,
-                OctreeNode::Block(b) => return Some(b as usize),
-                OctreeNode::Split(first) => {
-                    let half = cube.size / 2;
-                    let octant = (0..3).fold(0, |o, a| o | usize::from(at[a] >= cube.origin[a] + half) << a);
-                    cube = cube.octant(octant);
-                    node = self.octree.nodes[first as usize + octant];
-                }
-            }
+        while let OctreeNode::Split(first) = node {
+            let half = cube.size / 2;
+            let octant = (0..3).fold(0, |o, a| o | usize::from(at[a] >= cube.origin[a] + half) << a);
+            cube = cube.octant(octant);
+            node = self.octree.nodes[first as usize + octant];
         }
+        (cube, node)
     }
 }
