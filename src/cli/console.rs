@@ -49,6 +49,15 @@ pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
     }
 }
 
+/// A bar on stderr for `length` frames, with the time that is left; nothing where stderr is no terminal.
+pub(super) fn frames_progress(length: u64) -> ProgressBar {
+    let bar = ProgressBar::new(length).with_prefix("frames");
+    match ProgressStyle::with_template("{prefix:>12} {bar:40} {pos}/{len}  {elapsed}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
 /// How long each stage of a command took, in order.
 #[derive(Debug, Default)]
 pub(super) struct Stages(Vec<(&'static str, Duration)>);

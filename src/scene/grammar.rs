@@ -13,6 +13,10 @@ pub(super) enum Children {
     Points,
     /// The corners of a solid.
     Corners,
+    /// Tracks of values over time.
+    Tracks,
+    /// Key frames.
+    Keys,
 }
 
 /// One kind of node.
@@ -43,7 +47,7 @@ const fn rule(
     }
 }
 
-use Children::{Corners, None as Leaf, Points, Shapes, ShapesAndTable};
+use Children::{Corners, Keys, None as Leaf, Points, Shapes, ShapesAndTable, Tracks};
 
 /// Nodes at the top of a file.
 pub(super) const TOP: &[Rule] = &[
@@ -107,6 +111,7 @@ pub(super) const TOP: &[Rule] = &[
         Leaf,
         "render mode=\"mip\" size=\"1024x768\"",
     ),
+    rule("animation", 0, &["frames", "fps"], Tracks, "animation frames=120 { … }"),
 ];
 
 /// Nodes of the tree.
@@ -301,6 +306,15 @@ pub(super) const POINT: &[Rule] = &[rule(
     "point 300 opacity=0.2 color=\"#f0e0d0\"",
 )];
 
+/// A value of an animation.
+pub(super) const TRACK: &[Rule] = &[rule(
+    "track",
+    1,
+    &["property", "ease"],
+    Keys,
+    "track \"view\" property=\"azimuth\" { at 0 0; at 119 360 }",
+)];
+
 /// A corner of a polyhedron.
 pub(super) const CORNER: &[Rule] = &[rule("corner", 1, &[], Leaf, "corner \"0 0 10\"")];
 
@@ -312,6 +326,8 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::ShapesAndTable => &[SHAPES, AT],
         Children::Points => &[POINT],
         Children::Corners => &[CORNER],
+        Children::Tracks => &[TRACK],
+        Children::Keys => &[AT],
     }
 }
 
@@ -323,7 +339,7 @@ mod tests {
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
         let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
-        for rule in [TOP, SHAPES, AT, POINT, CORNER].into_iter().flatten() {
+        for rule in [TOP, SHAPES, AT, POINT, CORNER, TRACK].into_iter().flatten() {
             assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
             for property in rule.properties {
                 assert!(documented(property, &['`', '=']), "{} of {}", property, rule.name);
