@@ -69,7 +69,9 @@ impl FrameArgs {
         let missing: Vec<u32> = mine.numbers().filter(|&n| !names.of(n).exists()).collect();
         let kept = mine.numbers().count() - missing.len();
         if kept > 0 {
-            note(&format!("{kept} frame(s) are there already and are kept; remove them to have them drawn again"));
+            note(&format!(
+                "{kept} frame(s) are there already and are kept; remove them to have them drawn again"
+            ));
         }
         if !missing.is_empty() {
             let mut sequence = Sequence::new(render, &scene, loader, &mut stages)?;
@@ -140,7 +142,11 @@ impl Names {
         let text = pattern.to_string_lossy().into_owned();
         let split = text.split_once('%').and_then(|(before, rest)| {
             let (digits, behind) = rest.split_once('d')?;
-            let digits = if digits.is_empty() { 0 } else { digits.strip_prefix('0')?.parse().ok()? };
+            let digits = if digits.is_empty() {
+                0
+            } else {
+                digits.strip_prefix('0')?.parse().ok()?
+            };
             (digits <= 20 && !behind.contains('%')).then(|| (before.to_owned(), digits, behind.to_owned()))
         });
         let Some((before, digits, behind)) = split else {
@@ -156,13 +162,17 @@ impl Names {
     }
 
     fn of(&self, number: u32) -> PathBuf {
-        let Self { before, digits, behind, .. } = self;
+        let Self {
+            before, digits, behind, ..
+        } = self;
         format!("{before}{number:0digits$}{behind}").into()
     }
 }
 
 fn range(text: &str) -> Result<FrameRange, String> {
-    let ends = text.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    let ends = text
+        .split_once("..")
+        .and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
     match ends {
         Some((first, last)) if first <= last => Ok(FrameRange { first, last }),
         _ => Err("not a range like 0..239, the first and the last frame".into()),
@@ -170,7 +180,9 @@ fn range(text: &str) -> Result<FrameRange, String> {
 }
 
 fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    let numbers = text
+        .split_once('/')
+        .and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
     match numbers {
         Some((part, parts)) if (1..=parts).contains(&part) => Ok(Shard { part, parts }),
         _ => Err("not a part like 2/5".into()),
@@ -185,7 +197,9 @@ mod tests {
     fn shards_share_the_frames() {
         for (first, last, parts) in [(0, 239, 5), (3, 9, 3), (5, 6, 4), (7, 7, 1)] {
             let range = FrameRange { first, last };
-            let all: Vec<u32> = (1..=parts).flat_map(|part| Shard { part, parts }.of(range).numbers().collect::<Vec<_>>()).collect();
+            let all: Vec<u32> = (1..=parts)
+                .flat_map(|part| Shard { part, parts }.of(range).numbers().collect::<Vec<_>>())
+                .collect();
             assert_eq!(all, (first..=last).collect::<Vec<_>>());
         }
     }

@@ -86,7 +86,8 @@ impl<'a> Sequence<'a> {
         } else {
             // The pages would no longer be those of the target before.
             self.paged = None;
-            self.renderer.draw_surfaces(camera, &scene.settings, &surfaces, stages)?
+            self.renderer
+                .draw_surfaces(camera, &scene.settings, &surfaces, stages)?
         };
         self.target = Some(update.target);
         Ok(frame)

@@ -14,14 +14,26 @@ const PROGRAM: &str = "ffmpeg";
 /// # Errors
 /// If no ffmpeg is installed, or the frames or the video have names that it cannot take.
 pub(super) fn check(video: &Path, frames: &Path) -> Result<(), CliError> {
-    if !frames.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("png")) {
-        return Err(CliError::Usage("a video is made of PNG frames: let their names end in .png".into()));
+    if !frames
+        .extension()
+        .is_some_and(|suffix| suffix.eq_ignore_ascii_case("png"))
+    {
+        return Err(CliError::Usage(
+            "a video is made of PNG frames: let their names end in .png".into(),
+        ));
     }
     if video.extension().is_none() {
-        let why = format!("{}: the suffix of a video says its format, for instance .mp4", video.display());
+        let why = format!(
+            "{}: the suffix of a video says its format, for instance .mp4",
+            video.display()
+        );
         return Err(CliError::Usage(why));
     }
-    let found = Command::new(PROGRAM).arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let found = Command::new(PROGRAM)
+        .arg("-version")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
     match found {
         Ok(status) if status.success() => Ok(()),
         Err(error) if error.kind() == ErrorKind::NotFound => Err(CliError::Video(

@@ -106,7 +106,8 @@ impl Arrangement {
                 page,
                 origin: class.origin(n, grid),
             };
-            self.slots.extend(chunk.iter().enumerate().map(|(n, &block)| (block, slot(n))));
+            self.slots
+                .extend(chunk.iter().enumerate().map(|(n, &block)| (block, slot(n))));
             free.extend((chunk.len()..grid.iter().product()).map(|n| (class, slot(n))));
             self.pages.push(PagePlan {
                 mixed: class.mixed,

@@ -131,7 +131,9 @@ impl PagedTarget {
             }
         }
         let left = (0..before.blocks.len()).filter(|&old| gone[old]);
-        paged.free.extend(left.map(|old| (Class::of(&before.blocks[old]), self.slots[old])));
+        paged
+            .free
+            .extend(left.map(|old| (Class::of(&before.blocks[old]), self.slots[old])));
         paged.fill(device, target, &changed, normals, progress)?;
         Ok(paged)
     }

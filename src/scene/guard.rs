@@ -51,7 +51,10 @@ pub(super) fn end_of_node(text: &str, from: usize) -> usize {
         let silent = rest.starts_with(b"/*") || rest[0].is_ascii_whitespace();
         let went_on = match rest[0] {
             b'\\' if scan.open.is_empty() => {
-                scan.at += rest.iter().position(|&b| b == b'\n').map_or(rest.len(), |newline| newline + 1);
+                scan.at += rest
+                    .iter()
+                    .position(|&b| b == b'\n')
+                    .map_or(rest.len(), |newline| newline + 1);
                 continue;
             }
             _ => scan.token(),
@@ -68,7 +71,9 @@ pub(super) fn end_of_node(text: &str, from: usize) -> usize {
 
 /// Whether a node ends here: at a line's end, a semicolon, the end of its parent or a comment up to the line's end.
 fn terminates(rest: &[u8]) -> bool {
-    const ENDS: [&str; 10] = ["\n", "\r", ";", "}", "//", "\u{b}", "\u{c}", "\u{85}", "\u{2028}", "\u{2029}"];
+    const ENDS: [&str; 10] = [
+        "\n", "\r", ";", "}", "//", "\u{b}", "\u{c}", "\u{85}", "\u{2028}", "\u{2029}",
+    ];
     ENDS.iter().any(|end| rest.starts_with(end.as_bytes()))
 }
 

@@ -87,7 +87,8 @@ fn range_of(text: &str, node: &KdlNode) -> Range<usize> {
 
 fn start_of(node: &KdlNode) -> usize {
     let name = bytes(node.name().span()).start;
-    node.ty().map_or(name, |ty| bytes(ty.span()).start.saturating_sub(1).min(name))
+    node.ty()
+        .map_or(name, |ty| bytes(ty.span()).start.saturating_sub(1).min(name))
 }
 
 /// What stands between the start of the line and `at`, if that is nothing but space.
@@ -105,7 +106,11 @@ fn before(text: &str, next: usize, new: &str) -> (usize, String) {
 }
 
 fn at_end(text: &str, new: &str) -> (usize, String) {
-    let end_of_line = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
+    let end_of_line = if text.is_empty() || text.ends_with('\n') {
+        ""
+    } else {
+        "\n"
+    };
     (text.len(), format!("{end_of_line}{new}\n"))
 }
 
@@ -120,10 +125,10 @@ fn as_last(text: &str, parent: &KdlNode, new: &str) -> (usize, String) {
     if let Some(indent) = indentation(text, brace) {
         return (brace - indent.len(), format!("{inner}{new}\n"));
     }
-    let inside = text[..brace].trim_end_matches([' ', '\t']);
-    let separator = if inside.ends_with(['{', ';']) { "" } else { ";" };
-    let space = if inside.len() == brace { " " } else { "" };
-    (brace, format!("{space}{separator} {new} ").replacen("  ", " ", 1))
+    let inside = text[..brace].trim_end_matches([' ', '\t']).len();
+    let separator = if text[..inside].ends_with(['{', ';']) { "" } else { ";" };
+    let space = if text[..brace].ends_with('{') { " " } else { "" };
+    (inside, format!("{separator} {new}{space}"))
 }
 
 /// A node's bytes with its semicolon, or with all of its line where nothing else is on it.

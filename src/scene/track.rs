@@ -51,7 +51,10 @@ impl Track {
         for key in element.children() {
             let key = key?;
             let frame = key.argument(0);
-            if frames.last().is_some_and(|&last| frame.number().is_ok_and(|now| now <= last)) {
+            if frames
+                .last()
+                .is_some_and(|&last| frame.number().is_ok_and(|now| now <= last))
+            {
                 return Err(frame.bad("a later frame than that of the key before"));
             }
             frames.push(frame.number()?);
@@ -189,7 +192,10 @@ mod tests {
     fn lines_are_straight_and_steps_wait() {
         let (frames, keys) = ([0.0, 10.0, 20.0], [0.0, 5.0, -5.0]);
         let at = |ease, frame| eased(ease, &frames, &keys, frame);
-        assert_eq!([-3.0, 0.0, 5.0, 10.0, 15.0, 20.0, 99.0].map(|f| at(Ease::Linear, f)), [0.0, 0.0, 2.5, 5.0, 0.0, -5.0, -5.0]);
+        assert_eq!(
+            [-3.0, 0.0, 5.0, 10.0, 15.0, 20.0, 99.0].map(|f| at(Ease::Linear, f)),
+            [0.0, 0.0, 2.5, 5.0, 0.0, -5.0, -5.0]
+        );
         assert_eq!([0.0, 9.9, 10.0, 25.0].map(|f| at(Ease::Step, f)), [0.0, 0.0, 5.0, -5.0]);
         assert_eq!([0.0, 10.0, 20.0].map(|f| at(Ease::Smooth, f)), keys);
     }

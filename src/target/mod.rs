@@ -6,6 +6,7 @@ mod lattice;
 mod levels;
 mod octree;
 mod order;
+mod program;
 mod reconstruct;
 mod update;
 mod voxels;
