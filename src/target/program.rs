@@ -143,9 +143,11 @@ impl<'a> Subtrees<'a> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::Instruction::{Again, Keep};
     use super::*;
-    use crate::model::Step::{Combine, Cut, Leaf};
+    use crate::model::Step::{Combine, Cut, Leaf, Map};
 
     fn steps(steps: &[Step]) -> Vec<Instruction> {
         steps.iter().copied().map(Instruction::Step).collect()
@@ -208,5 +210,50 @@ mod tests {
             .filter(|i| matches!(i, Instruction::Step(Combine(_))))
             .count();
         assert_eq!(combines, 3);
+    }
+
+    /// The steps that a program runs, with those of what is kept written out.
+    fn written_out(program: &[Instruction]) -> Vec<Step> {
+        let mut stack: Vec<Vec<Step>> = Vec::new();
+        let mut kept: HashMap<u32, Vec<Step>> = HashMap::new();
+        for &instruction in program {
+            match instruction {
+                Instruction::Step(step) => {
+                    let operands = match step {
+                        Step::Leaf(_) | Step::LeafInside(_) => 0,
+                        Step::Map(_) | Step::Cut(_) => 1,
+                        Step::Combine(_) => 2,
+                    };
+                    let mut steps = stack.split_off(stack.len() - operands).concat();
+                    steps.push(step);
+                    stack.push(steps);
+                }
+                Keep(slot) => drop(kept.insert(slot, stack.last().cloned().unwrap_or_default())),
+                Again(slot) => stack.push(kept[&slot].clone()),
+            }
+        }
+        stack.concat()
+    }
+
+    proptest! {
+        #[test]
+        fn a_program_runs_its_path_and_nothing_twice(choices in prop::collection::vec(0u32..6, 1..60)) {
+            let (mut path, mut depth) = (vec![Leaf(0)], 1);
+            for choice in choices {
+                let step = match choice {
+                    0 | 1 => Leaf(choice),
+                    2 => Map(0),
+                    _ if depth < 2 => Leaf(2),
+                    _ => Combine(choice % 2),
+                };
+                depth = match step { Leaf(_) => depth + 1, Combine(_) => depth - 1, _ => depth };
+                path.push(step);
+            }
+            path.extend((1..depth).map(|_| Combine(0)));
+            let program = program(&path);
+            prop_assert_eq!(written_out(&program), path);
+            let leaves: Vec<_> = program.iter().filter(|i| matches!(i, Instruction::Step(Leaf(_)))).collect();
+            prop_assert!(leaves.len() <= 3, "{:?}", program);
+        }
     }
 }

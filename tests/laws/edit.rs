@@ -269,7 +269,8 @@ struct Sequence {
 const EDITS: usize = 25;
 
 fn sequence() -> impl Strategy<Value = Sequence> {
-    let subdivision = (1u32..=3, 0u32..=2, any::<bool>()).prop_map(|(min, more, exact)| Subdivision {
+    // Blocks of 16 are reconstructed in several parts.
+    let subdivision = (1u32..=4, 0u32..=2, any::<bool>()).prop_map(|(min, more, exact)| Subdivision {
         min_block: 1 << min,
         max_block: 1 << (min + more),
         boundary: if exact { Boundary::Exact } else { Boundary::Centre },
