@@ -71,9 +71,12 @@ impl Stages {
         done
     }
 
-    /// Adds a stage that was timed elsewhere.
+    /// Adds a stage that was timed elsewhere, or to the time of one that has been there before.
     pub fn add(&mut self, name: &'static str, time: Duration) {
-        self.0.push((name, time));
+        match self.0.iter_mut().find(|stage| stage.0 == name) {
+            Some(stage) => stage.1 += time,
+            None => self.0.push((name, time)),
+        }
     }
 
     /// Each stage's milliseconds, for `--json`.

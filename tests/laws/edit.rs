@@ -305,7 +305,7 @@ impl Sequence {
         let bounds = self.scene.lattice.world_bounds();
         // A chain of maps may have moved a model beyond all numbers.
         let somewhere = Aabb::new(DVec3::splat(-13.0), DVec3::splat(13.0));
-        let on = |bounds: &Aabb| Lattice::axis_aligned(bounds, bounds.size().max_element() / 9.0);
+        let on = |bounds: &Aabb| Lattice::axis_aligned(bounds, bounds.size().max_element() / 7.0);
         on(&bounds).unwrap_or_else(|_| on(&somewhere).expect("a lattice"))
     }
 
