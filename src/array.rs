@@ -201,6 +201,15 @@ impl<T: Pod> Part<T> {
     }
 }
 
+impl<T> Default for Part<T> {
+    fn default() -> Self {
+        Self {
+            array: Arc::default(),
+            range: 0..0,
+        }
+    }
+}
+
 impl<T: Pod> Deref for Part<T> {
     type Target = [T];
 

@@ -3,6 +3,7 @@
 
 mod bar;
 mod drawing;
+mod editing;
 mod frames;
 mod machine;
 mod memory;
@@ -56,12 +57,18 @@ struct Arguments {
     /// Measure primitives only, and write no report.
     #[arg(long)]
     primitives: bool,
+    /// Measure edits only, and write no report.
+    #[arg(long)]
+    editing: bool,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
     /// Extract one surface and print what memory it took.
     #[arg(long, hide = true)]
     memory_of_surface: Option<String>,
+    /// Build and edit a scene of little and print what memory it took.
+    #[arg(long, hide = true)]
+    memory_of_balls: bool,
     /// Cargo says this.
     #[arg(long, hide = true)]
     bench: bool,
@@ -77,6 +84,7 @@ struct Report {
     memory: Vec<memory::Measured>,
     surfaces: Vec<surfaces::Comparison>,
     primitives: Vec<primitives::Comparison>,
+    editing: Vec<editing::Comparison>,
 }
 
 fn main() -> ExitCode {
@@ -99,8 +107,14 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
     if let Some(name) = &arguments.memory_of_surface {
         return surfaces::print_growth_of(name).map(|()| 0);
     }
+    if arguments.memory_of_balls {
+        return editing::print_growth().map(|()| 0);
+    }
     if arguments.primitives {
         return primitives::compare(arguments.repetitions().runs).map(|_| 0);
+    }
+    if arguments.editing {
+        return editing::compare(&drawing::open_device()?, arguments.repetitions().runs).map(|_| 0);
     }
     vtk::require_setup()?;
     if let Some(name) = &arguments.surfaces {
@@ -148,6 +162,7 @@ impl Report {
             memory: memory::measure()?,
             surfaces: surfaces::compare("", repetitions.runs)?,
             primitives: primitives::compare(repetitions.runs)?,
+            editing: editing::compare(&device, repetitions.runs)?,
         })
     }
 
@@ -158,12 +173,14 @@ impl Report {
         let memory = self.memory.iter().map(|m| &m.bar);
         let surfaces = self.surfaces.iter().flat_map(|c| &c.bars);
         let primitives = self.primitives.iter().flat_map(|c| &c.bars);
+        let editing = self.editing.iter().map(|c| &c.bar);
         frames
             .chain(rates)
             .chain(resampling)
             .chain(memory)
             .chain(surfaces)
             .chain(primitives)
+            .chain(editing)
             .collect()
     }
 }

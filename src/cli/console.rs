@@ -49,6 +49,15 @@ pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
     }
 }
 
+/// A bar on stderr for `length` frames, with the time that is left; nothing where stderr is no terminal.
+pub(super) fn frames_progress(length: u64) -> ProgressBar {
+    let bar = ProgressBar::new(length).with_prefix("frames");
+    match ProgressStyle::with_template("{prefix:>12} {bar:40} {pos}/{len}  {elapsed}, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
 /// How long each stage of a command took, in order.
 #[derive(Debug, Default)]
 pub(super) struct Stages(Vec<(&'static str, Duration)>);
@@ -62,9 +71,12 @@ impl Stages {
         done
     }
 
-    /// Adds a stage that was timed elsewhere.
+    /// Adds a stage that was timed elsewhere, or to the time of one that has been there before.
     pub fn add(&mut self, name: &'static str, time: Duration) {
-        self.0.push((name, time));
+        match self.0.iter_mut().find(|stage| stage.0 == name) {
+            Some(stage) => stage.1 += time,
+            None => self.0.push((name, time)),
+        }
     }
 
     /// Each stage's milliseconds, for `--json`.

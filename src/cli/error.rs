@@ -63,6 +63,9 @@ pub enum CliError {
         /// How much.
         mib: usize,
     },
+    /// The video.
+    #[error("{0}")]
+    Video(String),
     /// Standard output.
     #[error("cannot write to standard output: {0}")]
     Stdout(io::Error),

@@ -97,7 +97,6 @@ fn draw_slices(
     stages: &mut Stages,
 ) -> Result<Frame, CliError> {
     let device = Arc::clone(renderer.device());
-    let meshes = stages.time("upload meshes", || DeviceSurfaces::new(&device, surfaces))?;
     let normals = soft_normals(spec);
     let voxels = spec
         .target
@@ -110,7 +109,20 @@ fn draw_slices(
     bar.finish_and_clear();
     stages.add("reconstruct", paged.reconstruct);
     stages.add("upload", paged.upload);
-    let (frame, times) = renderer.draw(spec, &paged, &meshes.shown())?;
+    draw_paged(renderer, spec, &paged, surfaces, stages)
+}
+
+/// Draws a target that is on the device, and `surfaces` in it.
+pub(super) fn draw_paged(
+    renderer: &mut SliceRenderer,
+    spec: &FrameSpec,
+    paged: &PagedTarget,
+    surfaces: &[Surface],
+    stages: &mut Stages,
+) -> Result<Frame, CliError> {
+    let device = Arc::clone(renderer.device());
+    let meshes = stages.time("upload meshes", || DeviceSurfaces::new(&device, surfaces))?;
+    let (frame, times) = renderer.draw(spec, paged, &meshes.shown())?;
     stages.add("plan", times.plan);
     stages.add("prepare", times.prepare);
     stages.add("draw", times.draw);
@@ -128,15 +140,19 @@ fn without_messages<T>(device: &Device, drawn: T) -> Result<T, CliError> {
 
 /// The transfer function that `scene` has on `target`.
 pub(super) fn transfer_function(scene: &Scene, target: &Target) -> TransferFunction {
+    let spec = scene.transfer.as_ref().unwrap_or(&TransferSpec::AUTOMATIC);
+    spec.function(&statistics(target), model_bounds(scene).size().length())
+}
+
+/// What presets are fitted to; of an empty target, nothing.
+pub(super) fn statistics(target: &Target) -> DataStatistics {
     let nothing = DataStatistics {
         min: 0.0,
         max: 0.0,
         low: 0.0,
         high: 0.0,
     };
-    let data = DataStatistics::of_target(target).unwrap_or(nothing);
-    let spec = scene.transfer.as_ref().unwrap_or(&TransferSpec::AUTOMATIC);
-    spec.function(&data, model_bounds(scene).size().length())
+    DataStatistics::of_target(target).unwrap_or(nothing)
 }
 
 /// The world box of a scene's model.

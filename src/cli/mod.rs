@@ -6,14 +6,17 @@ mod bake;
 mod console;
 mod devices;
 mod error;
+mod frames;
 mod info;
 mod job;
 mod levels;
 mod mesh;
 mod overrides;
 mod render;
+mod sequence;
 mod source;
 mod surfaces;
+mod video;
 
 use std::process::ExitCode;
 

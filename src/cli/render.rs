@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::CliError;
 use super::console::{Stages, print_json};
+use super::frames::FrameArgs;
 use super::job::{Renderer, model_bounds, no_surfaces, transfer_function};
 use super::levels;
 use super::overrides::Overrides;
@@ -26,13 +27,17 @@ use crate::target::Target;
   vcsg render ct.nrrd -o bone.png --preset ct-bone --background transparent
   vcsg render head.nii.gz -o skin.png --surface 60
   vcsg render mra.nii.gz -o mip.exr --mode mip --perspective 30
-  vcsg render scene.kdl -o truth.png --renderer reference --size 320x240")]
+  vcsg render scene.kdl -o truth.png --renderer reference --size 320x240
+  vcsg render scene.kdl -o frame-%04d.png --frames 0..119 --video scene.mp4")]
 pub(super) struct Render {
     #[command(flatten)]
-    source: SourceArgs,
-    /// The picture: .png (8 bits, straight alpha) or .exr (float, premultiplied)
+    pub source: SourceArgs,
+    /// The picture: .png (8 bits, straight alpha) or .exr (float, premultiplied); with --frames its name has %d or %04d for the
+    /// frame's number
     #[arg(short, long, value_name = "FRAME")]
-    output: PathBuf,
+    pub output: PathBuf,
+    #[command(flatten)]
+    frames: FrameArgs,
     /// What draws: slices on a Vulkan device, or the slow reference on the processor
     #[arg(long, default_value = "slices")]
     renderer: RendererName,
@@ -43,13 +48,13 @@ pub(super) struct Render {
     #[arg(long)]
     validation: bool,
     #[command(flatten)]
-    overrides: Overrides,
+    pub overrides: Overrides,
     /// Print how long each stage took
     #[arg(long)]
-    timings: bool,
+    pub timings: bool,
     /// Describe the frame as JSON on stdout
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -59,13 +64,16 @@ enum RendererName {
 }
 
 /// The size of a frame that nobody gave one.
-const DEFAULT_SIZE: [u32; 2] = [1024, 768];
+pub(super) const DEFAULT_SIZE: [u32; 2] = [1024, 768];
 
 impl Render {
     /// Loads, draws, writes.
     pub fn run(&self) -> Result<(), CliError> {
         // A name that cannot be written is known before the work is done.
         FileFormat::of(&self.output)?;
+        if let Some(range) = self.frames.frames {
+            return self.frames.draw(self, range);
+        }
         let mut stages = Stages::default();
         let mut scene = stages.time("load", || self.source.load())?;
         self.overrides.apply(&mut scene)?;
@@ -78,8 +86,7 @@ impl Render {
         } else {
             draw(&scene, &camera, &mut renderer, &mut stages)?
         };
-        let [r, g, b, alpha] = scene.settings.background;
-        let frame = if alpha > 0.0 { frame.over([r, g, b]) } else { frame };
+        let frame = over_background(frame, &scene);
         stages.time("write", || save(&frame, &self.output, &[("Software", "vcsg")]))?;
         if self.timings {
             stages.show();
@@ -91,7 +98,8 @@ impl Render {
         }
     }
 
-    fn renderer(&self, scene: &Scene) -> Result<Renderer, CliError> {
+    /// What draws `scene`.
+    pub fn renderer(&self, scene: &Scene) -> Result<Renderer, CliError> {
         let validation = if self.validation {
             Validation::On
         } else {
@@ -123,6 +131,12 @@ impl Render {
         }
         description
     }
+}
+
+/// `frame` before the scene's background, if it has one.
+pub(super) fn over_background(frame: Frame, scene: &Scene) -> Frame {
+    let [r, g, b, alpha] = scene.settings.background;
+    if alpha > 0.0 { frame.over([r, g, b]) } else { frame }
 }
 
 /// What `scene` shows: its surfaces, its samples, or both; and what that is made of, for `--json`.

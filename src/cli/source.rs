@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::CliError;
-use crate::scene::{Scene, VolumeFiles};
+use crate::scene::{Scene, VolumeFiles, VolumeLoader};
 
 /// What is read, and what is changed of how its target is built.
 #[derive(Debug, Args)]
@@ -32,10 +32,20 @@ impl SourceArgs {
 
     /// The scene, with the options that were given in place of its own.
     pub fn load(&self) -> Result<Scene, CliError> {
-        let mut scene = Scene::open(&self.path, &mut VolumeFiles)?;
+        self.load_with(&mut VolumeFiles)
+    }
+
+    /// The same, with volumes from `loader`.
+    pub fn load_with(&self, loader: &mut dyn VolumeLoader) -> Result<Scene, CliError> {
+        let mut scene = Scene::open(&self.path, loader)?;
+        self.apply(&mut scene);
+        Ok(scene)
+    }
+
+    /// Sets in `scene` what was given.
+    pub fn apply(&self, scene: &mut Scene) {
         scene.target.spacing_mm = self.spacing.or(scene.target.spacing_mm);
         scene.target.budget_mib = self.budget_mib.unwrap_or(scene.target.budget_mib);
         scene.target.coarsen |= self.coarsen;
-        Ok(scene)
     }
 }

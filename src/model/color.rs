@@ -44,11 +44,11 @@ impl ColorSample {
 }
 
 /// Makes colours of values.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Classifier {
-    transfer: Arc<TransferFunction>,
+    pub(super) transfer: Arc<TransferFunction>,
     /// The unit length of the tree's colours over that of the function.
-    units: f64,
+    pub(super) units: f64,
 }
 
 impl Classifier {
@@ -107,7 +107,7 @@ impl Classifier {
 impl Tree {
     /// Classifier `index` of a [`Step::Classify`](super::Step::Classify).
     pub fn classifier(&self, index: u32) -> &Classifier {
-        &self.classifiers[index as usize]
+        &self.classifiers.parts()[index as usize]
     }
 
     /// The length that the opacities of a tree of colours hold for, millimetres; `None` for a tree of values.

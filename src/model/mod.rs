@@ -1,16 +1,19 @@
 //! The Volumetric CSG tree: what it is made of, what it evaluates to, and where it can be (VCSG §2).
 
 mod bounds;
+mod changes;
 mod color;
 mod combine;
 mod lut;
 mod mask;
 mod node;
+mod pool;
 mod prune;
 mod rule;
 mod transfer;
 mod tree;
 
+pub use changes::Changes;
 pub use color::{Classifier, ColorSample};
 pub use combine::Operator;
 pub use lut::{Lut, LutError};

@@ -359,6 +359,20 @@ impl Model {
         part
     }
 
+    /// The union of several models: it is wherever any of them is.
+    pub fn united(models: &[Self]) -> Self {
+        let mut all = Self::default();
+        let mut roots = Vec::new();
+        for model in models {
+            let before = all.nodes.len() as u32;
+            let moved = |node: &Node| node.with_children(|child| NodeId(child.0 + before));
+            all.nodes.extend(model.nodes.iter().map(moved));
+            roots.extend(model.root().and(all.root()));
+        }
+        all.fold(BooleanOp::Union, ValueRule::First, Family::default(), roots);
+        all
+    }
+
     /// The node that the model is; `None` when it is empty.
     pub fn root(&self) -> Option<NodeId> {
         let last = self.nodes.len().checked_sub(1)?;

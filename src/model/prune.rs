@@ -46,7 +46,6 @@ impl Tree {
             decider,
             steps: Vec::with_capacity(path.len()),
             operands: Vec::new(),
-            crossed: false,
         };
         for &step in path {
             pruner.visit(step);
@@ -78,7 +77,6 @@ struct Pruner<'a> {
     decider: Option<DVec3>,
     steps: Vec<Step>,
     operands: Vec<Operand>,
-    crossed: bool,
 }
 
 impl Pruner<'_> {
@@ -95,8 +93,11 @@ impl Pruner<'_> {
 
     fn finish(mut self) -> Pruned {
         let range = self.operands.pop().map_or(SampleRange::EMPTY, |o| o.range);
+        // What was dropped stays dropped however the block is split, so only boundaries that are left count.
+        let crosses = |step: &Step| matches!(step, Step::Leaf(_) | Step::Cut(_));
+        let crossed = self.steps.iter().any(crosses);
         Pruned {
-            undecided: !self.steps.is_empty() && (self.crossed || !range.coverage.is_point()),
+            undecided: crossed || (!self.steps.is_empty() && !range.coverage.is_point()),
             steps: self.steps,
             range,
         }
@@ -124,7 +125,6 @@ impl Pruner<'_> {
             Overlap::Partial => Step::Leaf(index),
             Overlap::Outside => return self.push(SampleRange::EMPTY, Step::Leaf(index)),
         };
-        self.crossed |= overlap == Overlap::Partial;
         let leaf = self.tree.leaf(index);
         let mut range = leaf.range(&self.block.transformed(&leaf.local_from_frame));
         match (overlap, &leaf.source) {
@@ -168,7 +168,6 @@ impl Pruner<'_> {
             Overlap::Inside => {}
             Overlap::Outside => self.clear_top(),
             Overlap::Partial => {
-                self.crossed = true;
                 self.steps.push(Step::Cut(index));
                 if let Some(top) = self.operands.last_mut() {
                     top.range.coverage.lo = 0.0;

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
+use super::pool::Pool;
 use super::{Classifier, ColorSample, Combine, Kind, MaskLeaf, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::{Bricks, Sample};
@@ -37,7 +38,7 @@ pub enum Step {
 }
 
 /// What a leaf is made of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// Voxels; the local frame is the volume's index space.
     Volume(VolumeLeaf),
@@ -48,7 +49,7 @@ pub enum Source {
 }
 
 /// A leaf and where it is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Leaf {
     /// What it is.
     pub source: Source,
@@ -78,15 +79,15 @@ struct Sampling<'a> {
     grade: Option<Grade>,
 }
 
-/// A model flattened in one frame.
+/// A model flattened in one frame. Parts that are the same are one part: steps with one index.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
     steps: Vec<Step>,
-    leaves: Vec<Leaf>,
-    maps: Vec<ValueMap>,
-    cuts: Vec<FramePlane>,
-    operators: Vec<Operator>,
-    pub(super) classifiers: Vec<Classifier>,
+    leaves: Pool<Leaf>,
+    maps: Pool<ValueMap>,
+    cuts: Pool<FramePlane>,
+    operators: Pool<Operator>,
+    pub(super) classifiers: Pool<Classifier>,
     pub(super) color_unit_mm: Option<f64>,
 }
 
@@ -262,17 +263,17 @@ impl Tree {
             }
             Node::Transform { .. } => {}
             Node::Transfer { map, .. } => {
-                self.steps.push(Step::Map(self.maps.len() as u32));
-                self.maps.push(map.clone());
+                let index = self.maps.add(map.clone());
+                self.steps.push(Step::Map(index));
             }
             Node::Cut { plane, .. } => {
-                self.steps.push(Step::Cut(self.cuts.len() as u32));
-                self.cuts.push(FramePlane::from(plane).moved(node_from_frame));
+                let index = self.cuts.add(FramePlane::from(plane).moved(node_from_frame));
+                self.steps.push(Step::Cut(index));
             }
             Node::Classify { transfer, .. } => {
-                self.steps.push(Step::Classify(self.classifiers.len() as u32));
                 let unit_mm = self.color_unit_mm.unwrap_or(transfer.unit_mm());
-                self.classifiers.push(Classifier::new(Arc::clone(transfer), unit_mm));
+                let index = self.classifiers.add(Classifier::new(Arc::clone(transfer), unit_mm));
+                self.steps.push(Step::Classify(index));
             }
             Node::Combine(Combine {
                 op,
@@ -281,15 +282,14 @@ impl Tree {
                 first,
                 ..
             }) => {
-                let index = self.operators.len() as u32;
-                self.steps.push(match sampling.model.kind(*first) {
-                    Kind::Value => Step::Combine(index),
-                    Kind::Color => Step::Blend(index),
-                });
-                self.operators.push(Operator {
+                let index = self.operators.add(Operator {
                     op: *op,
                     rule: rule.clone(),
                     family: *family,
+                });
+                self.steps.push(match sampling.model.kind(*first) {
+                    Kind::Value => Step::Combine(index),
+                    Kind::Color => Step::Blend(index),
                 });
             }
         }
@@ -302,19 +302,30 @@ impl Tree {
     }
 
     fn push_leaf(&mut self, leaf: Leaf) {
-        self.steps.push(Step::Leaf(self.leaves.len() as u32));
-        self.leaves.push(leaf);
+        let index = self.leaves.add(leaf);
+        self.steps.push(Step::Leaf(index));
     }
 
     /// The tree with what lies on the side of `planes` (world) that their normals point to taken away.
     pub fn cut_by(mut self, planes: &[Plane], world_from_frame: &DAffine3) -> Self {
         if !self.steps.is_empty() {
             for plane in planes {
-                self.steps.push(Step::Cut(self.cuts.len() as u32));
-                self.cuts.push(FramePlane::from(plane).moved(world_from_frame));
+                let index = self.cuts.add(FramePlane::from(plane).moved(world_from_frame));
+                self.steps.push(Step::Cut(index));
             }
         }
         self
+    }
+
+    /// For each leaf, map, plane and operator the index of the same one in `other`.
+    pub(super) fn parts_in(&self, other: &Self) -> [Vec<Option<u32>>; 5] {
+        [
+            self.leaves.places_in(&other.leaves),
+            self.maps.places_in(&other.maps),
+            self.cuts.places_in(&other.cuts),
+            self.operators.places_in(&other.operators),
+            self.classifiers.places_in(&other.classifiers),
+        ]
     }
 
     /// The steps of the whole tree, in post-order.
@@ -324,37 +335,37 @@ impl Tree {
 
     /// Leaf `index` of a [`Step::Leaf`].
     pub fn leaf(&self, index: u32) -> &Leaf {
-        &self.leaves[index as usize]
+        &self.leaves.parts()[index as usize]
     }
 
     /// All leaves.
     pub fn leaves(&self) -> &[Leaf] {
-        &self.leaves
+        self.leaves.parts()
     }
 
     /// Map `index` of a [`Step::Map`].
     pub fn map(&self, index: u32) -> &ValueMap {
-        &self.maps[index as usize]
+        &self.maps.parts()[index as usize]
     }
 
     /// Plane `index` of a [`Step::Cut`].
     pub fn cut(&self, index: u32) -> &FramePlane {
-        &self.cuts[index as usize]
+        &self.cuts.parts()[index as usize]
     }
 
     /// Operator `index` of a [`Step::Combine`].
     pub fn operator(&self, index: u32) -> &Operator {
-        &self.operators[index as usize]
+        &self.operators.parts()[index as usize]
     }
 
     /// All operators.
     pub fn operators(&self) -> &[Operator] {
-        &self.operators
+        self.operators.parts()
     }
 
     /// Whether any value is mapped.
     pub fn has_maps(&self) -> bool {
-        !self.maps.is_empty()
+        !self.maps.parts().is_empty()
     }
 
     /// The model at point `p` of the frame: the truth. The value of a colour is its opacity.

@@ -1,5 +1,6 @@
 //! From a plan to a frame on a device: the flow's last step, carried out by `gpu`.
 
+mod arrange;
 mod depths;
 mod frame;
 mod job;

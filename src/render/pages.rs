@@ -7,27 +7,21 @@
 //! *Practice.* No page is larger than the device's 3D images. Voxels are reconstructed, encoded and uploaded batch by batch,
 //! so no second copy of the target is ever held.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
+use super::arrange::{Arrangement, Class, PagePlan};
 use super::pieces::{self, Piece, PieceTexels};
 use crate::gpu::{
     Buffer, BufferRole, Command, Device, Extent, Format, GpuError, Image, ImageCopy, ImageRole, Recording, Region,
 };
 use crate::projection::SoftNormals;
-use crate::target::{Block, CellRanges, Layout, Target};
+use crate::target::{Block, CellRanges, Layout, Target, Update};
 
 /// Bytes reconstructed before they are handed to the device.
 const BATCH_BYTES: usize = 16 << 20;
-
-/// The largest page, bytes of values: several small allocations rather than one that may not be had.
-const PAGE_BYTES: usize = 256 << 20;
-
-/// Blocks up to this edge fill a cell of their whole cube, even where the lattice cuts them short, so that they share pages.
-const SHARED_EDGE: usize = 64;
 
 /// What the texels of a page are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -53,7 +47,7 @@ pub struct Page {
 }
 
 /// Where a block is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slot {
     /// Index of its page.
     pub page: usize,
@@ -73,6 +67,8 @@ pub struct PagedTarget {
     pub reconstruct: Duration,
     /// What bringing them to the device took.
     pub upload: Duration,
+    /// Cells of pages that hold no block.
+    free: Vec<(Class, Slot)>,
 }
 
 /// The formats of values and normals that pages use; a device must filter all of them linearly.
@@ -96,35 +92,105 @@ impl PagedTarget {
         normals: Option<&SoftNormals>,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Self, GpuError> {
-        let (plans, slots) = arrange(target, device.info().limits.image_dimension_3d);
-        let pages = plans
-            .iter()
-            .map(|plan| plan.allocate(device, normals.is_some()))
-            .collect::<Result<Vec<_>, _>>()?;
         let mut paged = Self {
-            pages,
-            slots,
+            pages: Vec::new(),
+            slots: vec![Slot::default(); target.blocks.len()],
             cells: empty_cells(target),
             reconstruct: Duration::ZERO,
             upload: Duration::ZERO,
+            free: Vec::new(),
         };
-        let all = pieces::pieces(target);
+        let all: Vec<usize> = (0..target.blocks.len()).collect();
+        paged.fill(device, target, &all, normals, progress)?;
+        Ok(paged)
+    }
+
+    /// The same after an edit of the target, which had been uploaded as it was `before` with the same value range and normals. Only
+    /// blocks whose voxels have changed are reconstructed and uploaded, into cells that others have left or into new pages; what is
+    /// left becomes new pages altogether once it would fill them less than half.
+    ///
+    /// # Errors
+    /// If the device has not enough memory, or is lost.
+    pub fn updated(
+        mut self,
+        device: &Arc<Device>,
+        before: &Target,
+        update: &Update,
+        normals: Option<&SoftNormals>,
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<Self, GpuError> {
+        let target = &update.target;
+        if self.texels() > 2 * target.blocks.iter().map(|b| Class::of(target, b).len()).sum::<usize>() {
+            drop(self);
+            return Self::new(device, target, normals, progress);
+        }
+        let mut paged = Self {
+            slots: vec![Slot::default(); target.blocks.len()],
+            cells: empty_cells(target),
+            reconstruct: Duration::ZERO,
+            upload: Duration::ZERO,
+            free: std::mem::take(&mut self.free),
+            pages: std::mem::take(&mut self.pages),
+        };
+        let mut gone = vec![true; before.blocks.len()];
+        let mut changed = Vec::new();
+        for (index, kept) in update.kept.iter().enumerate() {
+            match kept.map(|old| old as usize) {
+                Some(old) => {
+                    gone[old] = false;
+                    paged.slots[index] = self.slots[old];
+                    paged.cells[index] = std::mem::take(&mut self.cells[old]);
+                }
+                None => changed.push(index),
+            }
+        }
+        let left = (0..before.blocks.len()).filter(|&old| gone[old]);
+        paged
+            .free
+            .extend(left.map(|old| (Class::of(before, &before.blocks[old]), self.slots[old])));
+        paged.fill(device, target, &changed, normals, progress)?;
+        Ok(paged)
+    }
+
+    /// Finds cells for some blocks of `target`, reconstructs and uploads them.
+    fn fill(
+        &mut self,
+        device: &Arc<Device>,
+        target: &Target,
+        blocks: &[usize],
+        normals: Option<&SoftNormals>,
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<(), GpuError> {
+        let longest_edge = device.info().limits.image_dimension_3d;
+        let arrangement = Arrangement::new(target, blocks, &mut self.free, self.pages.len(), longest_edge);
+        for plan in &arrangement.pages {
+            self.pages.push(plan.allocate(device, normals.is_some())?);
+        }
+        for (index, slot) in arrangement.slots {
+            self.slots[index] = slot;
+        }
+        let all = pieces::pieces(target, blocks);
         let mut rest = &all[..];
         while !rest.is_empty() {
             let (batch, later) = rest.split_at(batch_len(rest));
             let begin = Instant::now();
             let filled = pieces::fill(target, batch, normals);
             let reconstructed = Instant::now();
-            paged.send(device, batch, &filled)?;
-            paged.reconstruct += reconstructed - begin;
-            paged.upload += reconstructed.elapsed();
+            self.send(device, batch, &filled)?;
+            self.reconstruct += reconstructed - begin;
+            self.upload += reconstructed.elapsed();
             for (piece, texels) in batch.iter().zip(&filled) {
-                paged.cells[piece.index].ranges.extend(&texels.cells.ranges);
+                self.cells[piece.index].ranges.extend(&texels.cells.ranges);
             }
             progress(batch.iter().map(|p| p.slab.extent.iter().product::<usize>()).sum());
             rest = later;
         }
-        Ok(paged)
+        Ok(())
+    }
+
+    fn texels(&self) -> usize {
+        let texels = |page: &Page| page.dims.iter().map(|&n| n as usize).product::<usize>();
+        self.pages.iter().map(texels).sum()
     }
 
     /// Bytes of all pages.
@@ -213,78 +279,6 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// A page before it is allocated: cells of one shape in a grid.
-struct PagePlan {
-    texels: Texels,
-    dims: [usize; 3],
-}
-
-/// Places every block of `target` in a page.
-fn arrange(target: &Target, longest_edge: u32) -> (Vec<PagePlan>, Vec<Slot>) {
-    let mut classes: BTreeMap<(Texels, [usize; 3]), Vec<usize>> = BTreeMap::new();
-    for (index, block) in target.blocks.iter().enumerate() {
-        let class = (texels_of(target, block), cell_dims(block));
-        classes.entry(class).or_default().push(index);
-    }
-    let mut plans = Vec::new();
-    let mut slots = vec![
-        Slot {
-            page: 0,
-            origin: [0; 3]
-        };
-        target.blocks.len()
-    ];
-    for ((texels, cell), blocks) in classes {
-        let texel = size_of::<u16>() * texels.channels();
-        let most = (PAGE_BYTES / (texel * cell.iter().product::<usize>())).max(1);
-        let limit = cell.map(|edge| (longest_edge as usize / edge).max(1));
-        for chunk in blocks.chunks(most.min(limit.iter().product())) {
-            let grid = near_cube(chunk.len(), limit);
-            for (n, &block) in chunk.iter().enumerate() {
-                let at = [n % grid[0], n / grid[0] % grid[1], n / (grid[0] * grid[1])];
-                slots[block] = Slot {
-                    page: plans.len(),
-                    origin: std::array::from_fn(|a| at[a] * cell[a]),
-                };
-            }
-            plans.push(PagePlan {
-                texels,
-                dims: std::array::from_fn(|a| grid[a] * cell[a]),
-            });
-        }
-    }
-    (plans, slots)
-}
-
-fn texels_of(target: &Target, block: &Block) -> Texels {
-    match block.layout {
-        _ if target.tree.has_colors() => Texels::Colors,
-        Layout::Mixed => Texels::Mixed,
-        Layout::Covered | Layout::Uniform => Texels::Values,
-    }
-}
-
-fn cell_dims(block: &Block) -> [usize; 3] {
-    if block.layout != Layout::Uniform && block.size <= SHARED_EDGE {
-        [block.size + 2 * Block::APRON; 3]
-    } else {
-        pieces::stored_dims(block)
-    }
-}
-
-/// A grid of at least `n` cells, as near a cube as `limit` allows.
-fn near_cube(n: usize, limit: [usize; 3]) -> [usize; 3] {
-    let x = ((n as f64).cbrt().ceil() as usize).clamp(1, limit[0]);
-    let y = ((n.div_ceil(x) as f64).sqrt().ceil() as usize).clamp(1, limit[1]);
-    let z = n.div_ceil(x * y);
-    if z <= limit[2] {
-        return [x, y, z];
-    }
-    // The last axis is full: widen the others as far as they go.
-    let y = n.div_ceil(x * limit[2]).min(limit[1]);
-    [n.div_ceil(y * limit[2]), y, limit[2]]
-}
-
 impl PagePlan {
     fn allocate(&self, device: &Arc<Device>, lit: bool) -> Result<Page, GpuError> {
         let dims = self.dims.map(|n| n as u32);
@@ -307,7 +301,7 @@ impl PagePlan {
 
 impl Texels {
     /// Numbers in a texel, normals apart.
-    fn channels(self) -> usize {
+    pub fn channels(self) -> usize {
         match self {
             Self::Values => 1,
             Self::Mixed => 2,

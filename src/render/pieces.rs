@@ -35,10 +35,10 @@ pub struct PieceTexels {
     pub cells: CellRanges,
 }
 
-/// All pieces of a target's blocks, in order.
-pub fn pieces(target: &Target) -> Vec<Piece> {
-    let blocks = target.blocks.iter().enumerate();
-    blocks.flat_map(|(index, block)| cut(index, block)).collect()
+/// All pieces of some of a target's blocks, in order.
+pub fn pieces(target: &Target, blocks: &[usize]) -> Vec<Piece> {
+    let cut = |&index: &usize| cut(index, &target.blocks[index]);
+    blocks.iter().flat_map(cut).collect()
 }
 
 fn cut(index: usize, block: &Block) -> Vec<Piece> {

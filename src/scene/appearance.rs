@@ -2,6 +2,7 @@
 
 use kdl::KdlDocument;
 
+use super::animation::Animation;
 use super::element::{Element, Value};
 use super::error::{Problem, SceneError};
 use super::grammar;
@@ -27,6 +28,7 @@ pub(super) struct Appearance {
     pub view: View,
     pub settings: Settings,
     pub frame_size: Option<[u32; 2]>,
+    pub animation: Option<Animation>,
 }
 
 /// Nodes that may be there more than once.
@@ -43,7 +45,7 @@ impl Appearance {
                 let name = element.name().into();
                 return Err(element.error(Problem::Twice { name }));
             }
-            draft.read(&element)?;
+            draft.read(&element, document)?;
             if !seen.contains(&element.name()) {
                 seen.push(element.name());
             }
@@ -88,7 +90,7 @@ struct Draft {
 }
 
 impl Draft {
-    fn read(&mut self, element: &Element) -> Result<()> {
+    fn read(&mut self, element: &Element, document: &KdlDocument) -> Result<()> {
         match element.name() {
             "scene" => self.appearance.target = TargetOptions::read(element)?,
             "transfer" => self.appearance.transfer = Some(transfer(element)?),
@@ -100,6 +102,7 @@ impl Draft {
                 let strength = element.require("strength")?.within(0.0, 1.0)? as f32;
                 self.appearance.settings.depth_cue = DepthCue { strength };
             }
+            "animation" => self.appearance.animation = Some(Animation::read(element, document)?),
             "background" => self.appearance.settings.background = background(element.argument(0))?,
             _ => self.render(element)?,
         }

@@ -40,6 +40,21 @@ pub fn with_property(
     Ok(Source::new(source.name(), text))
 }
 
+/// The text of `source` with argument `index` of the node at `path` set to `value`.
+///
+/// # Errors
+/// If the text is not KDL, no node is at `path`, or it has fewer arguments.
+pub fn with_argument(source: &Source, path: &[usize], index: usize, value: KdlValue) -> Result<Source, SceneError> {
+    let document = file::parse(source)?;
+    let missing = || SceneError::of_file(source.name(), Problem::NoNode(path.to_vec()));
+    let node = node_at(&document, path).ok_or_else(missing)?;
+    let argument = node.entries().iter().filter(|entry| entry.name().is_none()).nth(index);
+    let at = bytes(argument.ok_or_else(missing)?.span());
+    let mut text = source.text().to_owned();
+    text.replace_range(at, &KdlEntry::new(value).to_string());
+    Ok(Source::new(source.name(), text))
+}
+
 /// The text of `source` with its `view` node made to say `view`; the node is added at the end if there is none.
 ///
 /// # Errors
@@ -81,7 +96,7 @@ fn view_properties(view: &View) -> [(&'static str, Option<KdlValue>); 7] {
     ]
 }
 
-fn node_at<'a>(document: &'a KdlDocument, path: &[usize]) -> Option<&'a KdlNode> {
+pub(super) fn node_at<'a>(document: &'a KdlDocument, path: &[usize]) -> Option<&'a KdlNode> {
     let (&first, rest) = path.split_first()?;
     let node = document.nodes().get(first)?;
     if rest.is_empty() {
@@ -91,7 +106,7 @@ fn node_at<'a>(document: &'a KdlDocument, path: &[usize]) -> Option<&'a KdlNode>
     }
 }
 
-fn end_of_entries(node: &KdlNode) -> Range<usize> {
+pub(super) fn end_of_entries(node: &KdlNode) -> Range<usize> {
     let last = node.entries().last().map_or(node.name().span(), KdlEntry::span);
     let end = bytes(last).end;
     end..end
@@ -103,6 +118,6 @@ fn with_space_before(text: &str, range: Range<usize>) -> Range<usize> {
     range.start - usize::from(spaced)..range.end
 }
 
-fn bytes(span: miette::SourceSpan) -> Range<usize> {
+pub(super) fn bytes(span: miette::SourceSpan) -> Range<usize> {
     span.offset()..span.offset() + span.len()
 }

@@ -203,6 +203,11 @@ impl<'a> Value<'a> {
         SceneError::at(self.source, self.entry.span(), problem)
     }
 
+    /// The value as it is.
+    pub fn value(&self) -> &'a KdlValue {
+        self.entry.value()
+    }
+
     /// Any finite number.
     pub fn number(self) -> Result<f64> {
         let number = match self.entry.value() {

@@ -222,6 +222,14 @@ pub enum Problem {
     /// An edit of a node that is not there.
     #[error("there is no node at {0:?}")]
     NoNode(Vec<usize>),
+    /// A track of a node that is not there.
+    #[error("there is no `{wanted}` here")]
+    NotThere {
+        /// The name, and which one.
+        wanted: String,
+        /// The names that are there.
+        there: Vec<String>,
+    },
     /// No `scene` node.
     #[error("there is no `scene` node")]
     NoScene,
@@ -262,6 +270,10 @@ impl Problem {
             ),
             Self::WantsValues { .. } => Some("put it inside `classify`, which makes colours of values".into()),
             Self::Singular { .. } => Some("no factor may be 0 and no two axes parallel".into()),
+            Self::NotThere { there, .. } => Some(format!(
+                "name a node by its way from the top, like `scene/union/sphere[2]`; there are: {}",
+                there.join(", ")
+            )),
             Self::NoScene => Some("write what is to be seen as `scene { … }`".into()),
             _ => None,
         }

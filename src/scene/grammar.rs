@@ -19,6 +19,10 @@ pub(super) enum Children {
     Points,
     /// The corners of a solid.
     Corners,
+    /// Tracks of values over time.
+    Tracks,
+    /// Key frames.
+    Keys,
 }
 
 /// One kind of node.
@@ -49,7 +53,9 @@ const fn rule(
     }
 }
 
-use Children::{Corners, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndPoints, ShapesAndTable};
+use Children::{
+    Corners, Keys, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndPoints, ShapesAndTable, Tracks,
+};
 
 /// Nodes at the top of a file.
 pub(super) const TOP: &[Rule] = &[
@@ -113,6 +119,7 @@ pub(super) const TOP: &[Rule] = &[
         Leaf,
         "render mode=\"mip\" size=\"1024x768\"",
     ),
+    rule("animation", 0, &["frames", "fps"], Tracks, "animation frames=120 { … }"),
 ];
 
 /// Nodes of the tree.
@@ -333,6 +340,15 @@ pub(super) const POINT: &[Rule] = &[rule(
     "point 300 opacity=0.2 color=\"#f0e0d0\"",
 )];
 
+/// A value of an animation.
+pub(super) const TRACK: &[Rule] = &[rule(
+    "track",
+    1,
+    &["property", "ease"],
+    Keys,
+    "track \"view\" property=\"azimuth\" { at 0 0; at 119 360 }",
+)];
+
 /// A corner of a polyhedron.
 pub(super) const CORNER: &[Rule] = &[rule("corner", 1, &[], Leaf, "corner \"0 0 10\"")];
 
@@ -347,6 +363,8 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::Rows => &[ROW],
         Children::Points => &[POINT],
         Children::Corners => &[CORNER],
+        Children::Tracks => &[TRACK],
+        Children::Keys => &[AT],
     }
 }
 
@@ -358,7 +376,7 @@ mod tests {
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
         let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
-        for rule in [TOP, SHAPES, AT, LUT, ROW, POINT, CORNER].into_iter().flatten() {
+        for rule in [TOP, SHAPES, AT, LUT, ROW, POINT, CORNER, TRACK].into_iter().flatten() {
             assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
             for property in rule.properties {
                 assert!(documented(property, &['`', '=']), "{} of {}", property, rule.name);

@@ -37,6 +37,46 @@ pub(super) fn check(text: &str) -> Result<(), Found> {
     }
 }
 
+/// Where the node ends whose last entry ends at `from`, its children included: before what terminates it, and before comments
+/// there. The text is known to be KDL.
+pub(super) fn end_of_node(text: &str, from: usize) -> usize {
+    let mut scan = Scan {
+        bytes: text.as_bytes(),
+        at: from,
+        open: Vec::new(),
+    };
+    let mut end = from;
+    while scan.at < scan.bytes.len() && !(scan.open.is_empty() && terminates(&scan.bytes[scan.at..])) {
+        let rest = &scan.bytes[scan.at..];
+        let silent = rest.starts_with(b"/*") || rest[0].is_ascii_whitespace();
+        let went_on = match rest[0] {
+            b'\\' if scan.open.is_empty() => {
+                scan.at += rest
+                    .iter()
+                    .position(|&b| b == b'\n')
+                    .map_or(rest.len(), |newline| newline + 1);
+                continue;
+            }
+            _ => scan.token(),
+        };
+        if went_on.is_err() {
+            break;
+        }
+        if !silent {
+            end = scan.at;
+        }
+    }
+    end
+}
+
+/// Whether a node ends here: at a line's end, a semicolon, the end of its parent or a comment up to the line's end.
+fn terminates(rest: &[u8]) -> bool {
+    const ENDS: [&str; 10] = [
+        "\n", "\r", ";", "}", "//", "\u{b}", "\u{c}", "\u{85}", "\u{2028}", "\u{2029}",
+    ];
+    ENDS.iter().any(|end| rest.starts_with(end.as_bytes()))
+}
+
 struct Scan<'a> {
     bytes: &'a [u8],
     at: usize,

@@ -42,6 +42,16 @@ pub trait VolumeLoader {
     }
 }
 
+impl VolumeLoader for &mut dyn VolumeLoader {
+    fn load(&mut self, request: &VolumeRequest) -> Result<Arc<Bricks>, String> {
+        (**self).load(request)
+    }
+
+    fn load_mesh(&mut self, request: &MeshRequest) -> Result<Arc<TriangleSolid>, String> {
+        (**self).load_mesh(request)
+    }
+}
+
 /// A loader for scenes of primitives: it has no volume.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoVolumes;
@@ -49,6 +59,45 @@ pub struct NoVolumes;
 impl VolumeLoader for NoVolumes {
     fn load(&mut self, request: &VolumeRequest) -> Result<Arc<Bricks>, String> {
         Err(format!("{}: volumes are not available here", request.path.display()))
+    }
+}
+
+/// A loader that asks another one for each volume and mesh once, and remembers them: what is unchanged between two versions of a
+/// scene is then the same data, and not loaded again.
+pub struct Remembered<L> {
+    loader: L,
+    volumes: Vec<(VolumeRequest, Arc<Bricks>)>,
+    meshes: Vec<(MeshRequest, Arc<TriangleSolid>)>,
+}
+
+impl<L> Remembered<L> {
+    /// Nothing yet.
+    pub fn new(loader: L) -> Self {
+        Self {
+            loader,
+            volumes: Vec::new(),
+            meshes: Vec::new(),
+        }
+    }
+}
+
+impl<L: VolumeLoader> VolumeLoader for Remembered<L> {
+    fn load(&mut self, request: &VolumeRequest) -> Result<Arc<Bricks>, String> {
+        if let Some((_, bricks)) = self.volumes.iter().find(|(known, _)| known == request) {
+            return Ok(Arc::clone(bricks));
+        }
+        let bricks = self.loader.load(request)?;
+        self.volumes.push((request.clone(), Arc::clone(&bricks)));
+        Ok(bricks)
+    }
+
+    fn load_mesh(&mut self, request: &MeshRequest) -> Result<Arc<TriangleSolid>, String> {
+        if let Some((_, solid)) = self.meshes.iter().find(|(known, _)| known == request) {
+            return Ok(Arc::clone(solid));
+        }
+        let solid = self.loader.load_mesh(request)?;
+        self.meshes.push((request.clone(), Arc::clone(&solid)));
+        Ok(solid)
     }
 }
 

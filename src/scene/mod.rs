@@ -18,8 +18,10 @@
 //! # Ok::<(), vcsg::scene::SceneError>(())
 //! ```
 
+mod animation;
 mod appearance;
 mod edit;
+mod editor;
 mod element;
 mod error;
 mod file;
@@ -31,22 +33,27 @@ mod loader;
 mod maps;
 mod options;
 mod primitives;
+mod rearrange;
 mod rules;
 mod source;
 mod suggest;
 mod surface;
+mod track;
 mod transfer;
 mod transforms;
 mod tree;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+pub use animation::Animation;
 pub use appearance::{MODES, parse_size};
-pub use edit::with_property;
+pub use edit::{with_argument, with_property};
+pub use editor::Editor;
 pub use error::{Problem, SceneError};
 pub use guard::{MAX_BYTES, MAX_DEPTH};
-pub use loader::{MeshRequest, NoVolumes, VolumeFiles, VolumeLoader, VolumeRequest};
+pub use loader::{MeshRequest, NoVolumes, Remembered, VolumeFiles, VolumeLoader, VolumeRequest};
 pub use options::TargetOptions;
+pub use rearrange::{with_node, with_node_moved, without_node};
 pub use source::Source;
 pub use surface::SurfaceSpec;
 pub use transfer::{TransferChoice, TransferSpec};
@@ -74,7 +81,19 @@ pub struct Scene {
     pub settings: Settings,
     /// Width and height of the frame in pixels, if the scene says.
     pub frame_size: Option<[u32; 2]>,
+    /// How it changes with time.
+    pub animation: Option<Animation>,
     source: Source,
+    origin: Origin,
+}
+
+/// Where a scene's text comes from.
+#[derive(Clone, Debug, Default)]
+struct Origin {
+    /// Where its paths start.
+    base_dir: PathBuf,
+    /// Its file, if it has one.
+    path: Option<PathBuf>,
 }
 
 impl Scene {
@@ -83,7 +102,11 @@ impl Scene {
     /// # Errors
     /// The first problem, with its place.
     pub fn parse(name: &str, text: &str, base_dir: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
-        Self::build(Source::new(name, text), base_dir, TreeBuilder::new(loader, None))
+        let origin = Origin {
+            base_dir: base_dir.to_owned(),
+            path: None,
+        };
+        Self::build(Source::new(name, text), origin, loader)
     }
 
     /// The scene in the file at `path`.
@@ -93,8 +116,30 @@ impl Scene {
     pub fn load(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
         let name = path.to_string_lossy();
         let text = file::read(path).map_err(|problem| SceneError::of_file(&name, problem))?;
-        let base_dir = path.parent().unwrap_or(Path::new(""));
-        Self::build(Source::new(name, text), base_dir, TreeBuilder::new(loader, Some(path)))
+        let origin = Origin {
+            base_dir: path.parent().unwrap_or(Path::new("")).to_owned(),
+            path: Some(path.to_owned()),
+        };
+        Self::build(Source::new(name, text), origin, loader)
+    }
+
+    /// The scene that `source` describes, in the place of this one's text.
+    ///
+    /// # Errors
+    /// The first problem, with its place.
+    pub fn reread(&self, source: Source, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+        Self::build(source, self.origin.clone(), loader)
+    }
+
+    /// Frame `frame` of the scene's animation, or the scene itself if it has none.
+    ///
+    /// # Errors
+    /// If a track makes something of a value that it cannot be.
+    pub fn at_frame(&self, frame: u32, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+        match &self.animation {
+            Some(animation) => self.reread(animation.source_at(&self.source, frame)?, loader),
+            None => Ok(self.clone()),
+        }
     }
 
     /// The scene of one volume file and nothing else.
@@ -115,7 +160,7 @@ impl Scene {
         }));
         let name = kdl::KdlValue::from(path.to_string_lossy().into_owned());
         let source = Source::new("scene.kdl", format!("scene {{\n    volume {name}\n}}\n"));
-        let mut scene = Self::assembled(model, Appearance::default(), source);
+        let mut scene = Self::assembled(model, Appearance::default(), source, Origin::default());
         scene.set_view(Self::BARE_VIEW)?;
         Ok(scene)
     }
@@ -142,17 +187,18 @@ impl Scene {
         }
     }
 
-    fn build(source: Source, base_dir: &Path, tree: TreeBuilder) -> Result<Self, SceneError> {
+    fn build(source: Source, origin: Origin, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+        let tree = TreeBuilder::new(loader, origin.path.as_deref());
         let document = file::parse(&source)?;
         let appearance = Appearance::read(&document, &source)?;
-        let model = tree.build(scene_element(&document, &source)?, base_dir)?;
+        let model = tree.build(scene_element(&document, &source)?, &origin.base_dir)?;
         if model.kind_of_root() == Some(Kind::Color) {
             Appearance::check_colors(&document, &source)?;
         }
-        Ok(Self::assembled(model, appearance, source))
+        Ok(Self::assembled(model, appearance, source, origin))
     }
 
-    fn assembled(model: Model, appearance: Appearance, source: Source) -> Self {
+    fn assembled(model: Model, appearance: Appearance, source: Source, origin: Origin) -> Self {
         Self {
             model,
             target: appearance.target,
@@ -161,7 +207,9 @@ impl Scene {
             view: appearance.view,
             settings: appearance.settings,
             frame_size: appearance.frame_size,
+            animation: appearance.animation,
             source,
+            origin,
         }
     }
 

@@ -2,8 +2,9 @@
 
 use super::element::Element;
 use super::error::{Problem, SceneError};
+use crate::math::Interval;
 use crate::model::{Boundary, Model};
-use crate::target::{Levels, Subdivision, Target, TargetError};
+use crate::target::{Lattice, Levels, Subdivision, Target, TargetError, Update};
 
 /// The target that a scene asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +70,31 @@ impl TargetOptions {
             boundary: self.boundary,
             budget_bytes: (self.budget_mib as usize).saturating_mul(1 << 20),
             ..default
+        }
+    }
+
+    /// The lattice that the target of `model` has, and the range of its values.
+    ///
+    /// # Errors
+    /// As [`Self::build`], but over budget only where a coarser lattice is looked for.
+    pub fn lattice_and_range(&self, model: &Model) -> Result<(Lattice, Interval), TargetError> {
+        let lattice = if self.coarsen {
+            self.build(model)?.lattice
+        } else {
+            Lattice::of_model(model, self.spacing_mm)?
+        };
+        Ok((lattice, lattice.value_range(model)?))
+    }
+
+    /// The target of `model`, made from the one before an edit: where both have one lattice, only what the edit touches is made anew.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn update(&self, before: &Target, model: &Model) -> Result<Update, TargetError> {
+        if !self.coarsen && Lattice::of_model(model, self.spacing_mm)? == before.lattice {
+            before.updated(model, &self.subdivision())
+        } else {
+            self.build(model).map(Update::anew)
         }
     }
 

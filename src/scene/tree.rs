@@ -18,24 +18,21 @@ use super::grammar;
 use super::guard::{MAX_BYTES, MAX_DEPTH};
 use super::kinds;
 use super::leaves;
-use super::loader::{MeshRequest, VolumeLoader, VolumeRequest};
+use super::loader::{Remembered, VolumeLoader};
 use super::maps;
 use super::primitives;
 use super::rules;
 use super::source::Source;
 use super::transforms;
 use crate::model::{BooleanOp, Combine, Family, Kind, MaskLeaf, Model, Node, NodeId, ValueRule, VolumeLeaf};
-use crate::volume::Bricks;
-use crate::voxelize::{Primitive, Solid, TriangleSolid};
+use crate::voxelize::{Primitive, Solid};
 
 type Result<T> = std::result::Result<T, SceneError>;
 
 /// Builds one model from a scene file and all that it includes.
 pub(super) struct TreeBuilder<'l> {
     model: Model,
-    loader: &'l mut dyn VolumeLoader,
-    volumes: Vec<(VolumeRequest, Arc<Bricks>)>,
-    meshes: Vec<(MeshRequest, Arc<TriangleSolid>)>,
+    loader: Remembered<&'l mut dyn VolumeLoader>,
     included: HashMap<PathBuf, NodeId>,
     /// The files that are being read, the root first.
     open: Vec<PathBuf>,
@@ -69,9 +66,7 @@ impl<'l> TreeBuilder<'l> {
     pub fn new(loader: &'l mut dyn VolumeLoader, root: Option<&Path>) -> Self {
         Self {
             model: Model::default(),
-            loader,
-            volumes: Vec::new(),
-            meshes: Vec::new(),
+            loader: Remembered::new(loader),
             included: HashMap::new(),
             open: root.and_then(|path| path.canonicalize().ok()).into_iter().collect(),
             bytes: 0,
@@ -203,14 +198,14 @@ impl<'l> TreeBuilder<'l> {
         let request = leaves::volume_request(&element, &scope.base_dir)?;
         let mask = leaves::mask_request(&element, &scope.base_dir)?;
         let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
-        let bricks = self.load(&request).map_err(fails)?;
+        let bricks = self.loader.load(&request).map_err(fails)?;
         let Some(request) = mask else {
             return Ok(self.model.push(Node::Volume(VolumeLeaf { bricks, window })));
         };
         let admitted = leaves::admitted(&element)?;
         let fails = |reason| element.error_of("mask", Problem::Volume(reason));
         let mask = MaskLeaf {
-            bricks: self.load(&request).map_err(fails)?,
+            bricks: self.loader.load(&request).map_err(fails)?,
             admitted,
             value: 1.0,
         };
@@ -229,7 +224,7 @@ impl<'l> TreeBuilder<'l> {
         let (admitted, value) = (leaves::admitted(&element)?, primitives::value(&element)?);
         let request = leaves::volume_request(&element, &scope.base_dir)?;
         let fails = |reason| element.error_of_argument(0, Problem::Volume(reason));
-        let bricks = self.load(&request).map_err(fails)?;
+        let bricks = self.loader.load(&request).map_err(fails)?;
         Ok(self.model.push(Node::Mask(MaskLeaf {
             bricks,
             admitted,
@@ -237,30 +232,12 @@ impl<'l> TreeBuilder<'l> {
         })))
     }
 
-    fn load(&mut self, request: &VolumeRequest) -> std::result::Result<Arc<Bricks>, String> {
-        if let Some((_, bricks)) = self.volumes.iter().find(|(known, _)| known == request) {
-            return Ok(Arc::clone(bricks));
-        }
-        let bricks = self.loader.load(request)?;
-        self.volumes.push((request.clone(), Arc::clone(&bricks)));
-        Ok(bricks)
-    }
-
     fn mesh(&mut self, element: Element, scope: &Scope) -> Result<NodeId> {
         let request = leaves::mesh_request(&element, &scope.base_dir)?;
         let fails = |reason| element.error_of_argument(0, Problem::Mesh(reason));
-        let solid = Solid::Mesh(self.load_mesh(&request).map_err(fails)?);
+        let solid = Solid::Mesh(self.loader.load_mesh(&request).map_err(fails)?);
         let primitive = primitives::filtered(&element, solid)?;
         Ok(self.model.push(Node::Primitive(primitive)))
-    }
-
-    fn load_mesh(&mut self, request: &MeshRequest) -> std::result::Result<Arc<TriangleSolid>, String> {
-        if let Some((_, solid)) = self.meshes.iter().find(|(known, _)| known == request) {
-            return Ok(Arc::clone(solid));
-        }
-        let solid = self.loader.load_mesh(request)?;
-        self.meshes.push((request.clone(), Arc::clone(&solid)));
-        Ok(solid)
     }
 
     /// The children of a set operation folded from the left; those of `scene` are united.

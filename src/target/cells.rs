@@ -13,7 +13,7 @@ use crate::math::Interval;
 pub const CELL: usize = 8;
 
 /// The ranges of the covered values that a picture of each cell depends on: its own voxels and one more on each side.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellRanges {
     /// Cells along each axis.
     pub dims: [usize; 3],

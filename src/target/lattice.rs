@@ -8,7 +8,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::TargetError;
-use crate::math::{Aabb, affine};
+use crate::math::{Aabb, Interval, affine};
 use crate::model::{Model, Source, Tree};
 
 /// A regular lattice in the world; voxel `(i, j, k)` has its centre at lattice point `(i, j, k)`.
@@ -115,6 +115,15 @@ impl Lattice {
                 translation: first,
             },
         })
+    }
+
+    /// A range that holds every value of `model` on the lattice.
+    ///
+    /// # Errors
+    /// If the model cannot be flattened.
+    pub fn value_range(&self, model: &Model) -> Result<Interval, TargetError> {
+        let tree = Tree::new(model, &self.world_from_lattice)?;
+        Ok(super::octree::value_range(&tree, self))
     }
 
     /// The box of all voxels' cells, in lattice coordinates.
@@ -242,7 +251,6 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::math::Interval;
     use crate::math::Plane;
     use crate::model::{Model, Node, VolumeLeaf};
     use crate::volume::{Bricks, Grid, Voxels};

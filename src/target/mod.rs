@@ -6,7 +6,9 @@ mod lattice;
 mod levels;
 mod octree;
 mod order;
+mod program;
 mod reconstruct;
+mod update;
 mod voxels;
 
 pub use block::{Block, Layout};
@@ -16,4 +18,5 @@ pub use levels::Levels;
 pub use octree::{Octree, OctreeNode, Subdivision, Target, TargetError};
 pub use order::{Cube, octants_back_to_front};
 pub use reconstruct::RowEvaluator;
+pub use update::Update;
 pub use voxels::{BlockVoxels, VoxelTarget};

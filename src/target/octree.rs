@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::update::Before;
 use super::{Block, Cube, Lattice, Layout};
 use crate::math::{Aabb, Interval};
 use crate::model::{Boundary, Model, Pruned, Step, Tree};
@@ -77,6 +78,8 @@ pub struct Target {
     pub paths: Vec<Vec<Step>>,
     /// A range that holds every value; the same for every subdivision.
     pub value_range: Interval,
+    /// How it was subdivided.
+    pub subdivision: Subdivision,
 }
 
 /// Why a target cannot be built.
@@ -162,6 +165,16 @@ impl Target {
     /// # Errors
     /// If its blocks exceed the budget.
     pub fn of_tree(tree: Tree, lattice: Lattice, subdivision: &Subdivision) -> Result<Self, TargetError> {
+        Self::of_tree_after(tree, lattice, subdivision, Before::Unknown)
+    }
+
+    /// [`Self::of_tree`], where something is known of a target before.
+    pub(super) fn of_tree_after(
+        tree: Tree,
+        lattice: Lattice,
+        subdivision: &Subdivision,
+        before: Before,
+    ) -> Result<Self, TargetError> {
         let longest = lattice.dims.iter().copied().max().unwrap_or(1);
         let root = Cube {
             origin: [0; 3],
@@ -173,7 +186,7 @@ impl Target {
             subdivision,
             stored_voxels: AtomicUsize::new(0),
         };
-        let subtree = splitter.split(root, tree.steps());
+        let subtree = splitter.split(root, tree.steps(), &before);
         splitter.check_budget(&subtree)?;
         let mut flat = Flattener::default();
         flat.nodes.push(OctreeNode::Empty);
@@ -189,6 +202,7 @@ impl Target {
             value_range,
             lattice,
             tree,
+            subdivision: *subdivision,
         })
     }
 
@@ -237,7 +251,7 @@ impl Splitter<'_> {
     /// From this edge on octants are tested in parallel.
     const PARALLEL: usize = 128;
 
-    fn split(&self, cube: Cube, path: &[Step]) -> Subtree {
+    fn split(&self, cube: Cube, path: &[Step], before: &Before) -> Subtree {
         let extent = cube.extent(self.lattice.dims);
         if extent.contains(&0) {
             return Subtree::Beyond;
@@ -245,10 +259,15 @@ impl Splitter<'_> {
         if self.hopeless() {
             return Subtree::Empty;
         }
+        let reach = self.reach(&cube, extent);
+        let before = before.within(&reach);
+        if let Some(kept) = before.unchanged().and_then(|node| self.kept(cube, &before, node)) {
+            return kept;
+        }
         let smallest = cube.size <= self.subdivision.min_block.max(1);
         let by_centre = smallest && self.subdivision.boundary == Boundary::Centre;
         let decider = by_centre.then(|| cube.bounds(extent).center());
-        let pruned = self.tree.prune(path, &self.reach(&cube, extent), decider);
+        let pruned = self.tree.prune(path, &reach, decider);
         if pruned.steps.is_empty() {
             return Subtree::Empty;
         }
@@ -257,15 +276,15 @@ impl Splitter<'_> {
         if !too_large && (finished || !pruned.undecided) {
             return self.block(cube, pruned);
         }
-        let octants = self.split_octants(&cube, &pruned.steps);
+        let octants = self.split_octants(&cube, &pruned.steps, &before);
         if too_large {
             return Subtree::Split(Box::new(octants));
         }
         self.merge(cube, octants)
     }
 
-    fn split_octants(&self, cube: &Cube, path: &[Step]) -> [Subtree; 8] {
-        let octant = |i: usize| self.split(cube.octant(i), path);
+    fn split_octants(&self, cube: &Cube, path: &[Step], before: &Before) -> [Subtree; 8] {
+        let octant = |i: usize| self.split(cube.octant(i), path, &before.octant(i));
         if cube.size < Self::PARALLEL {
             return std::array::from_fn(octant);
         }
@@ -289,12 +308,35 @@ impl Splitter<'_> {
         } else {
             Layout::Covered
         };
-        let candidate = Candidate { cube, pruned, layout };
-        if layout != Layout::Uniform {
-            let voxels = cube.extent(self.lattice.dims).iter().product();
+        self.counted(Candidate { cube, pruned, layout })
+    }
+
+    fn counted(&self, candidate: Candidate) -> Subtree {
+        if candidate.layout != Layout::Uniform {
+            let voxels = candidate.cube.extent(self.lattice.dims).iter().product();
             self.stored_voxels.fetch_add(voxels, Ordering::Relaxed);
         }
         Subtree::Block(Box::new(candidate))
+    }
+
+    /// The subtree that a cube had before an edit that does not reach it; `None` if a part of it is gone after all.
+    fn kept(&self, cube: Cube, before: &Before, node: OctreeNode) -> Option<Subtree> {
+        Some(match node {
+            OctreeNode::Empty => Subtree::Empty,
+            OctreeNode::Block(index) => {
+                let (pruned, layout) = before.block(index)?;
+                self.counted(Candidate { cube, pruned, layout })
+            }
+            OctreeNode::Split(_) => {
+                let octant = |i: usize| {
+                    let before = before.octant(i);
+                    self.kept(cube.octant(i), &before, before.unchanged()?)
+                };
+                let octants: Option<Vec<Subtree>> = (0..8).map(octant).collect();
+                let octants = octants?.try_into().unwrap_or_else(|_| unreachable!("eight octants"));
+                Subtree::Split(Box::new(octants))
+            }
+        })
     }
 
     /// One block instead of eight that are alike, beyond the lattice excepted.

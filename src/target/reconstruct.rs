@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::program::{Instruction, program};
 use crate::math::{Aabb, Overlap, affine};
 use crate::model::{Classifier, ColorSample, Leaf, MaskLeaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
@@ -78,6 +79,10 @@ pub struct RowEvaluator<'a> {
     tree: &'a Tree,
     rows: Vec<Row>,
     depth: usize,
+    kept: Vec<Row>,
+    /// The path that was run last, and how.
+    path: Vec<Step>,
+    program: Vec<Instruction>,
 }
 
 impl<'a> RowEvaluator<'a> {
@@ -87,6 +92,9 @@ impl<'a> RowEvaluator<'a> {
             tree,
             rows: Vec::new(),
             depth: 0,
+            kept: Vec::new(),
+            path: Vec::new(),
+            program: Vec::new(),
         }
     }
 
@@ -134,8 +142,16 @@ impl<'a> RowEvaluator<'a> {
             return;
         }
         self.depth = 0;
-        for &step in path {
-            self.apply(step, &voxels);
+        if self.path != path {
+            self.path = path.to_vec();
+            self.program = program(path);
+        }
+        for n in 0..self.program.len() {
+            match self.program[n] {
+                Instruction::Step(step) => self.apply(step, &voxels),
+                Instruction::Keep(slot) => self.keep(slot as usize),
+                Instruction::Again(slot) => self.again(slot as usize, voxels.len),
+            }
         }
         if self.depth == 0 {
             self.push(voxels.len);
@@ -195,6 +211,27 @@ impl<'a> RowEvaluator<'a> {
 
     fn top(&mut self) -> &mut Row {
         &mut self.rows[self.depth - 1]
+    }
+
+    /// Keeps a copy of the top row.
+    fn keep(&mut self, slot: usize) {
+        if self.kept.len() <= slot {
+            self.kept.resize_with(slot + 1, Row::default);
+        }
+        let top = &self.rows[self.depth - 1];
+        self.kept[slot].value.clone_from(&top.value);
+        self.kept[slot].coverage.clone_from(&top.coverage);
+        self.kept[slot].rgb.clone_from(&top.rgb);
+    }
+
+    /// Pushes a row that was kept.
+    fn again(&mut self, slot: usize, len: usize) {
+        let kept = std::mem::take(&mut self.kept[slot]);
+        let top = self.push(len);
+        top.value.copy_from_slice(&kept.value);
+        top.coverage.copy_from_slice(&kept.coverage);
+        top.rgb.clone_from(&kept.rgb);
+        self.kept[slot] = kept;
     }
 
     fn apply(&mut self, step: Step, voxels: &Voxels) {

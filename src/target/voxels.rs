@@ -11,7 +11,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Block, Layout, OctreeNode, RowEvaluator, Target};
+use super::update::Earlier;
+use super::{Block, Cube, Layout, OctreeNode, RowEvaluator, Target};
 use crate::array::{Array, Part};
 use crate::math::Aabb;
 use crate::volume::Sample;
@@ -21,7 +22,7 @@ use crate::volume::Sample;
 const PART: [usize; 3] = [32, 16, 8];
 
 /// The voxels of one block and of an apron round it, x fastest. Beyond the lattice its outermost voxels go on.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockVoxels {
     /// Voxels along each axis, apron included.
     pub dims: [usize; 3],
@@ -39,10 +40,24 @@ pub struct BlockVoxels {
 impl BlockVoxels {
     /// Reconstructs `block` with `apron` voxels on each side, slabs of it in parallel.
     pub fn reconstruct(target: &Target, block: &Block, apron: usize) -> Self {
-        let filler = Filler { target, block, apron };
-        let mut numbers = vec![0.0; filler.len()];
-        filler.fill(&mut numbers);
-        filler.voxels(&Arc::new(numbers.into()), 0)
+        let filler = Filler {
+            target,
+            block,
+            apron,
+            earlier: None,
+        };
+        filler.reconstruct()
+    }
+
+    /// Reconstructs `block` without an apron, with what still holds of earlier voxels copied.
+    pub(super) fn reconstruct_after(target: &Target, block: &Block, earlier: &Earlier) -> Self {
+        let filler = Filler {
+            target,
+            block,
+            apron: 0,
+            earlier: Some(earlier),
+        };
+        filler.reconstruct()
     }
 
     /// Reconstructs all blocks without aprons, in parallel, in memory that they share.
@@ -51,6 +66,7 @@ impl BlockVoxels {
             target,
             block,
             apron: 0,
+            earlier: None,
         };
         let fillers: Vec<_> = target.blocks.iter().map(filler).collect();
         let mut numbers = Array::zeroed(fillers.iter().map(Filler::len).sum());
@@ -95,11 +111,11 @@ impl BlockVoxels {
     }
 }
 
-/// Some planes of a block's voxels.
-struct Slab<'a> {
-    premultiplied: &'a mut [f32],
-    coverage: Option<&'a mut [f32]>,
-    rgb: Option<&'a mut [[f32; 3]]>,
+/// Some of a block's voxels, one after another.
+pub(super) struct Slab<'a> {
+    pub premultiplied: &'a mut [f32],
+    pub coverage: Option<&'a mut [f32]>,
+    pub rgb: Option<&'a mut [[f32; 3]]>,
 }
 
 /// Fills the stored voxels of a block, those of its apron included.
@@ -107,6 +123,7 @@ struct Filler<'a> {
     target: &'a Target,
     block: &'a Block,
     apron: usize,
+    earlier: Option<&'a Earlier<'a>>,
 }
 
 impl Filler<'_> {
@@ -137,6 +154,12 @@ impl Filler<'_> {
             coverage: part(start + values, coverages),
             rgb: part(start + values + coverages, colors),
         }
+    }
+
+    fn reconstruct(&self) -> BlockVoxels {
+        let mut numbers = vec![0.0; self.len()];
+        self.fill(&mut numbers);
+        self.voxels(&Arc::new(numbers.into()), 0)
     }
 
     /// Fills the block's numbers, slabs of it in parallel.
@@ -192,22 +215,32 @@ impl Filler<'_> {
         let start: [usize; 3] = from_fn(|axis| self.lattice(axis, part[axis].start));
         let box_of =
             |corners: [[usize; 3]; 2]| Aabb::of_points(corners.map(|c| DVec3::from_array(c.map(|n| n as f64))));
-        evaluator.fetch(path, &box_of([start, from_fn(end)]));
+        let last: [usize; 3] = from_fn(end);
+        let earlier = self.earlier.and_then(|earlier| earlier.rows(start, last));
+        if earlier.is_none() {
+            evaluator.fetch(path, &box_of([start, last]));
+        }
         let [columns, rows, planes] = part;
         let [width, height, _] = self.dims();
         for k in planes.clone() {
             for j in rows.clone() {
                 let row = ((k - planes.start) * height + j) * width;
                 let out = row + columns.start..row + columns.end;
-                evaluator.evaluate(
-                    path,
-                    start[0]..start[0] + columns.len(),
-                    [self.lattice(1, j), self.lattice(2, k)],
-                    &mut slab.premultiplied[out.clone()],
-                    slab.coverage.as_mut().map(|c| &mut c[out.clone()]),
-                );
-                if let Some(rgb) = &mut slab.rgb {
-                    evaluator.premultiplied_rgb(&mut rgb[out]);
+                let i = start[0]..start[0] + columns.len();
+                let jk = [self.lattice(1, j), self.lattice(2, k)];
+                let row = Slab {
+                    premultiplied: &mut slab.premultiplied[out.clone()],
+                    coverage: slab.coverage.as_mut().map(|c| &mut c[out.clone()]),
+                    rgb: slab.rgb.as_mut().map(|rgb| &mut rgb[out]),
+                };
+                match &earlier {
+                    Some(rows) => rows.copy(i, jk, row),
+                    None => {
+                        evaluator.evaluate(path, i, jk, row.premultiplied, row.coverage);
+                        if let Some(rgb) = row.rgb {
+                            evaluator.premultiplied_rgb(rgb);
+                        }
+                    }
                 }
             }
         }
@@ -255,9 +288,14 @@ const SMALL: usize = 1 << 22;
 impl<'a> VoxelTarget<'a> {
     /// Reconstructs every block, without aprons.
     pub fn new(target: &'a Target) -> Self {
+        Self::with(target, BlockVoxels::reconstruct_all(target))
+    }
+
+    /// The target with `voxels` for its blocks, which have no aprons.
+    pub fn with(target: &'a Target, voxels: Vec<BlockVoxels>) -> Self {
         let mut whole = Self {
             target,
-            voxels: BlockVoxels::reconstruct_all(target),
+            voxels,
             dense: Vec::new(),
         };
         if target.lattice.len() <= SMALL {
@@ -331,19 +369,22 @@ impl<'a> VoxelTarget<'a> {
 impl Target {
     /// The index of the block that holds voxel `at` of the lattice; `None` where nothing is.
     pub fn block_at(&self, at: [usize; 3]) -> Option<usize> {
+        match self.leaf_at(at).1 {
+            OctreeNode::Block(index) => Some(index as usize),
+            _ => None,
+        }
+    }
+
+    /// The leaf of the octree that holds voxel `at` of the lattice, and its cube.
+    pub(super) fn leaf_at(&self, at: [usize; 3]) -> (Cube, OctreeNode) {
         let mut cube = self.octree.root;
         let mut node = self.octree.nodes[0];
-        loop {
-            match node {
-                OctreeNode::Empty => return None,
-                OctreeNode::Block(b) => return Some(b as usize),
-                OctreeNode::Split(first) => {
-                    let half = cube.size / 2;
-                    let octant = (0..3).fold(0, |o, a| o | usize::from(at[a] >= cube.origin[a] + half) << a);
-                    cube = cube.octant(octant);
-                    node = self.octree.nodes[first as usize + octant];
-                }
-            }
+        while let OctreeNode::Split(first) = node {
+            let half = cube.size / 2;
+            let octant = (0..3).fold(0, |o, a| o | usize::from(at[a] >= cube.origin[a] + half) << a);
+            cube = cube.octant(octant);
+            node = self.octree.nodes[first as usize + octant];
         }
+        (cube, node)
     }
 }

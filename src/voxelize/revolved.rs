@@ -4,7 +4,7 @@
 //! the features are the outline's pieces and their corners.
 //! *Changes from the paper.* Near one piece the density is that of a surface with the piece's curvature and that of the circle
 //! it is turned on ([`curved`]). Near a corner of two straight pieces it is that of a wedge ([`facet::wedge`]) between the planes
-//! that have the pieces' densities, which accounts for the bend of the rim. Near the tip of a cone a table has it ([`apex`]).
+//! that have the pieces' densities, which accounts for the bend of the rim. Near the tip of a cone a table has it (`apex`).
 //! Anything else (a solid of the filter's size, a stretched pose) is integrated over lines along the axis ([`Lines`]).
 
 use std::f64::consts::PI;

@@ -8,6 +8,7 @@ mod blocks;
 mod bound_widths;
 mod comparators;
 mod device;
+mod edits;
 mod meshes;
 mod meshes_inside;
 mod modes;
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every law; each panics with what is wrong.
-const LAWS: [fn(); 18] = [
+const LAWS: [fn(); 20] = [
     blocks::one_block_or_many_the_picture_is_the_same,
     bound_widths::a_smooth_scene_has_narrow_bounds,
     comparators::a_shifted_pixel_is_out_of_bounds,
@@ -28,6 +29,8 @@ const LAWS: [fn(); 18] = [
     comparators::flipped_operands_are_out_of_bounds,
     comparators::other_opacities_are_out_of_bounds,
     comparators::half_a_texel_is_out_of_bounds,
+    edits::pages_follow_edits,
+    edits::blocks_that_should_have_been_made_anew_are_out_of_bounds,
     meshes::meshes_are_within_bounds,
     meshes::a_sheet_has_narrow_bounds,
     meshes::odd_meshes_do_no_harm,

@@ -1,9 +1,10 @@
-//! The laws of the model and of its target (design laws 1, 2, 8 and 9), over random scenes.
+//! The laws of the model and of its target (design laws 1, 2, 5, 8 and 9), over random scenes.
 //!
 //! Every law is a function that returns `Err` with what it saw; beside the test that it holds there is one that it fails on a
 //! deliberate mistake.
 
 mod bounds;
+mod edit;
 mod order;
 mod path;
 mod picture;
@@ -13,5 +14,6 @@ mod robust;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
+mod twig;
 mod values;
 mod world;

@@ -1,0 +1,325 @@
+//! Edits against building anew: a scene of 20 nodes at 256³, in which a small primitive is moved, and its transfer function changed.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, dvec3};
+use serde::Serialize;
+use vcsg::gpu::Device;
+use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::{BooleanOp, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
+use vcsg::projection::{ControlPoint, FrameSpec, TransferFunction};
+use vcsg::render::{PagedTarget, SliceRenderer, soft_normals};
+use vcsg::target::{Lattice, Subdivision, Target, VoxelTarget};
+use vcsg::volume::{Bricks, Grid, Voxels};
+use vcsg::voxelize::{Primitive, Profile, Solid};
+
+use crate::bar::{Bar, Limit};
+use crate::runs::{Run, Summary, timed};
+use crate::scene::{self, Look, SIDE};
+use crate::{Outcome, memory};
+
+/// The most that moving a small primitive may cost, in full builds.
+const MOVE_BAR: f64 = 0.1;
+
+/// The same for a plane that cuts all.
+const CUT_BAR: f64 = 1.0;
+
+/// Where the plane is, millimetres from the middle along each axis.
+const CUT_AT: f64 = 40.0;
+
+/// How far the ball is moved, millimetres.
+const LITTLE: [f64; 3] = [2.0, 1.0, 0.5];
+const FAR: [f64; 3] = [37.0, -53.0, 41.0];
+
+/// The most that a new transfer function may cost before its frame is drawn, in frames.
+const TRANSFER_BAR: f64 = 1.0;
+
+/// The most that building a scene of little may take at its peak, in grids of all voxels' values and coverages.
+const MEMORY_BAR: f64 = 1.0;
+
+/// An edit next to what it saves.
+#[derive(Serialize)]
+pub struct Comparison {
+    what: &'static str,
+    edit: Summary,
+    anew: Summary,
+    /// The ratio of their medians.
+    pub bar: Bar,
+}
+
+/// Compares all edits; each comparison is printed when it is done.
+pub fn compare(device: &Arc<Device>, repetitions: usize) -> Outcome<Vec<Comparison>> {
+    println!("\nEdits of 20 nodes at 256³; milliseconds (medians)");
+    println!("{:<44} {:>9} {:>9} {:>8}  bar", "", "edit", "anew", "ratio");
+    let bricks = waves()?;
+    Ok(vec![
+        in_memory(
+            "moved a little, voxels in memory",
+            &moves(&bricks, repetitions, LITTLE)?,
+            MOVE_BAR,
+        )?,
+        in_memory(
+            "moved far, voxels in memory",
+            &moves(&bricks, repetitions, FAR)?,
+            MOVE_BAR,
+        )?,
+        in_memory("cut moved, voxels in memory", &cuts(&bricks, repetitions)?, CUT_BAR)?,
+        on_device(
+            device,
+            &bricks,
+            repetitions,
+            "moved a little, blocks on the device",
+            false,
+        )?,
+        on_device(
+            device,
+            &bricks,
+            repetitions,
+            "moved a little, lit blocks on the device",
+            true,
+        )?,
+        transfer(device, &bricks, repetitions)?,
+        little_memory()?,
+    ])
+}
+
+/// A volume that is everywhere, with values from 20 to 220.
+fn waves() -> Outcome<Arc<Bricks>> {
+    let voxel = |n: usize| {
+        let at = [n % SIDE, n / SIDE % SIDE, n / (SIDE * SIDE)].map(|i| i as f32 * 0.07);
+        (120.0 + 33.0 * (at[0].sin() + at[1].cos() + (at[2] + at[0]).sin())) as u8
+    };
+    let voxels = Voxels::U8((0..SIDE.pow(3)).map(voxel).collect());
+    Ok(Arc::new(Bricks::new(&Grid::new(
+        [SIDE; 3],
+        DAffine3::IDENTITY,
+        voxels,
+    )?)))
+}
+
+/// The volume, cut `at` a distance from its middle; four parts taken from it, four more united with it, and a small ball at `place`:
+/// 20 nodes.
+fn twenty_nodes(bricks: &Arc<Bricks>, at: f64, place: DVec3) -> Outcome<Model> {
+    let mut model = Model::default();
+    let window = Interval::ALL;
+    let child = model.push(Node::Volume(VolumeLeaf {
+        bricks: Arc::clone(bricks),
+        window,
+    }));
+    let plane = Plane::through(scene::middle() + at, dvec3(1.0, 1.0, 1.0)).ok_or("a plane needs a direction")?;
+    let cut = model.push(Node::Cut { child, plane });
+    let part = |model: &mut Model, n: usize| {
+        let center = dvec3(
+            40.0 + 50.0 * (n % 4) as f64,
+            60.0 + 30.0 * (n % 3) as f64,
+            50.0 + 20.0 * n as f64,
+        );
+        let solid = match n % 2 {
+            0 => Solid::Sphere { center, radius: 14.0 },
+            _ => Solid::Box(Aabb::new(center - 12.0, center + 12.0)),
+        };
+        model.push(Node::Primitive(Primitive::soft(solid, 50.0 + 10.0 * n as f32)))
+    };
+    let taken: Vec<NodeId> = (0..4).map(|n| part(&mut model, n)).collect();
+    let (first, minmax) = (ValueRule::First, Family::MinMax);
+    let carved = model.fold(BooleanOp::Subtraction, first, minmax, [&[cut][..], &taken].concat());
+    let mut united: Vec<NodeId> = carved.into_iter().chain((4..7).map(|n| part(&mut model, n))).collect();
+    let cylinder = Solid::revolved(Profile::cylinder(8.0, 40.0));
+    let child = model.push(Node::Primitive(Primitive::soft(cylinder, 90.0)));
+    let parent_from_child = DAffine3::from_translation(dvec3(180.0, 60.0, 80.0));
+    united.push(model.push(Node::Transform {
+        child,
+        parent_from_child,
+    }));
+    let ball = Solid::Sphere {
+        center: place,
+        radius: 5.0,
+    };
+    united.push(model.push(Node::Primitive(Primitive::soft(ball, 200.0))));
+    model.fold(BooleanOp::Union, ValueRule::Second, minmax, united);
+    Ok(model)
+}
+
+/// The models before and after each of some moves: forth and back, so that all are alike.
+fn moves(bricks: &Arc<Bricks>, count: usize, by: [f64; 3]) -> Outcome<Vec<Model>> {
+    let start = dvec3(90.0, 150.0, 100.0);
+    let place = |n: usize| start + DVec3::from(by) * (n % 2) as f64 + DVec3::splat(n as f64);
+    (0..=count).map(|n| twenty_nodes(bricks, CUT_AT, place(n))).collect()
+}
+
+/// The models before and after each of some moves of the plane.
+fn cuts(bricks: &Arc<Bricks>, count: usize) -> Outcome<Vec<Model>> {
+    let at = |n: usize| CUT_AT - n as f64;
+    (0..=count)
+        .map(|n| twenty_nodes(bricks, at(n), scene::middle()))
+        .collect()
+}
+
+fn lattice() -> Lattice {
+    Lattice {
+        dims: [SIDE; 3],
+        world_from_lattice: DAffine3::IDENTITY,
+    }
+}
+
+fn built(model: &Model) -> Outcome<Target> {
+    Ok(Target::on_lattice(model, lattice(), &Subdivision::default())?)
+}
+
+fn in_memory(what: &'static str, models: &[Model], limit: f64) -> Outcome<Comparison> {
+    let mut target = built(&models[0])?;
+    let mut voxels = VoxelTarget::new(&target).voxels;
+    let (mut edits, mut anew) = (Vec::new(), Vec::new());
+    for model in &models[1..] {
+        let (fresh, run) = timed(|| -> Outcome<_> {
+            let target = built(model)?;
+            let voxels = VoxelTarget::new(&target).voxels;
+            Ok((target, voxels))
+        });
+        let (fresh_target, fresh_voxels) = fresh?;
+        anew.push(run);
+        let (update, run) = timed(|| -> Outcome<_> {
+            let update = target.updated(model, &target.subdivision)?;
+            let voxels = update.voxels(&target, std::mem::take(&mut voxels));
+            Ok((update.target, voxels))
+        });
+        edits.push(run);
+        (target, voxels) = update?;
+        if target.octree != fresh_target.octree || voxels != fresh_voxels {
+            return Err("an edited target is not the one built anew".into());
+        }
+    }
+    Ok(Comparison::of(what, edits, anew, limit))
+}
+
+fn look(lit: bool, opacity: f32) -> Outcome<Look> {
+    let point = |value, opacity| ControlPoint {
+        value,
+        color: [0.9, 0.7, 0.5],
+        opacity,
+    };
+    let points = vec![point(60.0, 0.0), point(120.0, 0.0), point(200.0, opacity)];
+    Ok(Look {
+        transfer: TransferFunction::new(points, 1.0)?,
+        camera: scene::camera(&scene::bounds()),
+        settings: scene::settings(lit),
+    })
+}
+
+fn spec<'a>(target: &'a Target, look: &'a Look) -> FrameSpec<'a> {
+    FrameSpec {
+        target,
+        transfer: &look.transfer,
+        camera: &look.camera,
+        settings: &look.settings,
+    }
+}
+
+fn on_device(
+    device: &Arc<Device>,
+    bricks: &Arc<Bricks>,
+    repetitions: usize,
+    what: &'static str,
+    lit: bool,
+) -> Outcome<Comparison> {
+    let models = moves(bricks, repetitions, LITTLE)?;
+    let look = look(lit, 0.1)?;
+    let paged = |target: &Target| {
+        let normals = soft_normals(&spec(target, &look));
+        PagedTarget::new(device, target, normals.as_ref(), &mut |_| {})
+    };
+    let mut target = built(&models[0])?;
+    let mut pages = paged(&target)?;
+    let (mut edits, mut anew) = (Vec::new(), Vec::new());
+    for model in &models[1..] {
+        let (fresh, run) = timed(|| -> Outcome<_> { Ok(paged(&built(model)?)?) });
+        drop(fresh?);
+        anew.push(run);
+        let (update, run) = timed(|| -> Outcome<_> {
+            let update = target.updated(model, &target.subdivision)?;
+            let normals = soft_normals(&spec(&update.target, &look));
+            let pages = pages.updated(device, &target, &update, normals.as_ref(), &mut |_| {})?;
+            Ok((update.target, pages))
+        });
+        edits.push(run);
+        (target, pages) = update?;
+    }
+    Ok(Comparison::of(what, edits, anew, MOVE_BAR))
+}
+
+/// What a new transfer function costs before its frame is drawn: a plan of what shows and a table. The target stays.
+fn transfer(device: &Arc<Device>, bricks: &Arc<Bricks>, repetitions: usize) -> Outcome<Comparison> {
+    let target = built(&twenty_nodes(bricks, CUT_AT, scene::middle())?)?;
+    let normals = soft_normals(&spec(&target, &look(true, 0.1)?));
+    let paged = PagedTarget::new(device, &target, normals.as_ref(), &mut |_| {})?;
+    let mut renderer = SliceRenderer::new(device)?;
+    let (mut edits, mut frames) = (Vec::new(), Vec::new());
+    for n in 0..=repetitions {
+        let look = look(true, 0.05 + 0.01 * n as f32)?;
+        let (drawn, run) = timed(|| renderer.draw(&spec(&target, &look), &paged, &[]));
+        let (_, timings) = drawn?;
+        // The first frame makes the pipelines.
+        if n > 0 {
+            let wall_s = (timings.plan + timings.prepare).as_secs_f64();
+            edits.push(Run { wall_s, cpu_s: wall_s });
+            frames.push(run);
+        }
+    }
+    let what = "transfer function, until it is drawn; a frame";
+    Ok(Comparison::of(what, edits, frames, TRANSFER_BAR))
+}
+
+/// What a scene of small things far apart takes at its peak, and what a grid of all voxels would, in MiB for milliseconds.
+fn little_memory() -> Outcome<Comparison> {
+    let grown: u64 = memory::from_own_process(["--memory-of-balls", "--bench"])?;
+    let grid = SIDE.pow(3) * size_of::<[f32; 2]>();
+    let mebibytes = |bytes: f64| Run {
+        wall_s: bytes / f64::from(1 << 20) / 1e3,
+        cpu_s: 0.0,
+    };
+    let (peak, full) = (mebibytes(grown as f64), mebibytes(grid as f64));
+    let what = "balls far apart: peak, and a full grid, MiB";
+    Ok(Comparison::of(what, vec![peak], vec![full], MEMORY_BAR))
+}
+
+/// Builds twenty balls far apart, moves one, and prints by how many bytes the resident memory grew at most.
+pub fn print_growth() -> Outcome<()> {
+    let model = |by: f64| {
+        let mut model = Model::default();
+        let ball = |n: usize| {
+            let center = dvec3(
+                20.0 + 24.0 * (n % 10) as f64,
+                30.0 + 180.0 * (n / 10) as f64,
+                40.0 + 9.0 * n as f64,
+            );
+            let center = if n == 7 { center + by } else { center };
+            Primitive::soft(Solid::Sphere { center, radius: 6.0 }, 100.0)
+        };
+        let balls: Vec<NodeId> = (0..20).map(|n| model.push(Node::Primitive(ball(n)))).collect();
+        model.fold(BooleanOp::Union, ValueRule::First, Family::MinMax, balls);
+        model
+    };
+    let (edited, grown) = memory::growth(|| -> Outcome<_> {
+        let target = built(&model(0.0))?;
+        let voxels = VoxelTarget::new(&target).voxels;
+        let update = target.updated(&model(3.0), &target.subdivision)?;
+        Ok(update.voxels(&target, voxels))
+    })?;
+    edited?;
+    println!("{grown}");
+    Ok(())
+}
+
+impl Comparison {
+    fn of(what: &'static str, edit: Vec<Run>, anew: Vec<Run>, limit: f64) -> Self {
+        let (edit, anew) = (Summary::of(edit), Summary::of(anew));
+        let bar = Bar {
+            what: what.into(),
+            value: edit.median_s / anew.median_s,
+            limit: Limit::AtMost(limit),
+        };
+        let [edited, full] = [&edit, &anew].map(|summary| summary.median_s * 1e3);
+        println!("{what:<44} {edited:>9.2} {full:>9.2} {:>8.3}  {bar}", bar.value);
+        Self { what, edit, anew, bar }
+    }
+}

@@ -1,0 +1,426 @@
+//! Design law 5: a target that follows an edit is the one that is built anew, bit for bit.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use proptest::prelude::*;
+use proptest::sample::Index;
+use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::{Admitted, Boundary, Combine, Model, Node, NodeId, Operator, Step, TransferFunction, ValueMap};
+use vcsg::target::{Block, BlockVoxels, Lattice, Octree, Subdivision, Target, Update, VoxelTarget};
+use vcsg::voxelize::{Primitive, Solid};
+
+use super::path::same_bits;
+use super::twig::{Leafless, Twig};
+use crate::support::scenes::{Scene, value_scene};
+use crate::support::{cases, parts, seeded};
+
+/// What a random edit takes its numbers from.
+#[derive(Clone, Debug)]
+struct Parameters {
+    primitive: Primitive,
+    placement: DAffine3,
+    plane: Plane,
+    map: ValueMap,
+    operator: Operator,
+    window: Interval,
+    transfer: TransferFunction,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Change,
+    Nudge,
+    Insert,
+    Wrap,
+    Remove,
+    Move,
+    Undo,
+}
+
+#[derive(Clone, Debug)]
+struct Edit {
+    kind: Kind,
+    at: Index,
+    to: Index,
+    with: Parameters,
+}
+
+fn parameters() -> impl Strategy<Value = Parameters> {
+    let window = (-100.0f32..200.0, 0.0f32..150.0).prop_map(|(lo, width)| Interval::new(lo, lo + width));
+    let primitive = prop_oneof![parts::crisp(), parts::soft()];
+    (
+        primitive,
+        parts::placement(),
+        parts::plane(),
+        parts::value_map(),
+        parts::operator(),
+        window,
+        parts::transfer(),
+    )
+        .prop_map(
+            |(primitive, placement, plane, map, operator, window, transfer)| Parameters {
+                primitive,
+                placement,
+                plane,
+                map,
+                operator,
+                window,
+                transfer,
+            },
+        )
+}
+
+fn edit() -> impl Strategy<Value = Edit> {
+    let kind = prop_oneof![
+        3 => Just(Kind::Change),
+        3 => Just(Kind::Nudge),
+        3 => Just(Kind::Insert),
+        1 => Just(Kind::Wrap),
+        2 => Just(Kind::Remove),
+        1 => Just(Kind::Move),
+        1 => Just(Kind::Undo),
+    ];
+    (kind, any::<Index>(), any::<Index>(), parameters()).prop_map(|(kind, at, to, with)| Edit { kind, at, to, with })
+}
+
+impl Edit {
+    /// The tree after the edit; `before` is what it was before the last one.
+    fn apply(&self, tree: &Twig, before: &Twig) -> Twig {
+        let mut edited = tree.clone();
+        let node = edited.nth(self.at.index(tree.len()));
+        let with = &self.with;
+        match self.kind {
+            Kind::Change => change(&mut node.node, with),
+            Kind::Nudge => nudge(&mut node.node),
+            Kind::Insert if tree.len() < 40 => {
+                *node = Twig::combined(with.operator.clone(), node.clone(), Twig::leaf(&with.primitive));
+            }
+            Kind::Wrap if tree.len() < 40 => *node = wrapped(node.clone(), with, self.to.index(3)),
+            Kind::Remove if !node.children.is_empty() => {
+                *node = node.children[self.to.index(node.children.len())].clone()
+            }
+            Kind::Move if !node.children.is_empty() => {
+                let moved = node.children[0].clone();
+                *node = node.children[node.children.len() - 1].clone();
+                let to = self.to.index(edited.len());
+                let beside = edited.nth(to);
+                *beside = Twig::combined(with.operator.clone(), beside.clone(), moved);
+            }
+            Kind::Undo => return before.clone(),
+            _ => {}
+        }
+        edited
+    }
+}
+
+/// Another node of the same kind.
+fn change(node: &mut Node, with: &Parameters) {
+    match node {
+        Node::Volume(leaf) => leaf.window = with.window,
+        Node::Mask(leaf) => leaf.value += 1.0,
+        Node::Primitive(primitive) => *primitive = with.primitive.clone(),
+        Node::Transform { parent_from_child, .. } => *parent_from_child = with.placement,
+        Node::Transfer { map, .. } => *map = with.map.clone(),
+        Node::Cut { plane, .. } => *plane = with.plane,
+        Node::Classify { transfer, .. } => *transfer = Arc::new(with.transfer.clone()),
+        Node::Combine(c) => {
+            let Operator { op, rule, family } = with.operator.clone();
+            (c.op, c.rule, c.family) = (op, rule, family);
+        }
+    }
+}
+
+/// Nearly the same node.
+fn nudge(node: &mut Node) {
+    let by = DVec3::new(0.5, -0.25, 0.0);
+    match node {
+        Node::Volume(leaf) => leaf.window = Interval::new(leaf.window.lo.max(-50.0), leaf.window.hi),
+        Node::Mask(leaf) => leaf.admitted = Admitted::NotZero,
+        Node::Classify { .. } => {}
+        Node::Primitive(primitive) => match &mut primitive.solid {
+            Solid::Sphere { center, .. } => *center += by,
+            Solid::Box(bounds) => *bounds = Aabb::new(bounds.min + by, bounds.max + by),
+            _ => primitive.value += 1.0,
+        },
+        Node::Transform { parent_from_child, .. } => parent_from_child.translation += by,
+        Node::Transfer { map, .. } => {
+            *map = ValueMap::Linear {
+                scale: 1.0,
+                offset: 1.0,
+            }
+        }
+        Node::Cut { plane, .. } => plane.offset += 0.5,
+        Node::Combine(c) => std::mem::swap(&mut c.first, &mut c.second),
+    }
+}
+
+/// The child in a unary node of its own.
+fn wrapped(child: Twig, with: &Parameters, kind: usize) -> Twig {
+    let mut model = Model::default();
+    let id = model.push(child.node.clone().leafless());
+    let node = match kind {
+        0 => Node::Transform {
+            child: id,
+            parent_from_child: with.placement,
+        },
+        1 => Node::Transfer {
+            child: id,
+            map: with.map.clone(),
+        },
+        _ => Node::Cut {
+            child: id,
+            plane: with.plane,
+        },
+    };
+    Twig {
+        node,
+        children: vec![child],
+    }
+}
+
+/// A sequence of edits, and where the models are sampled.
+#[derive(Clone, Debug)]
+struct Sequence {
+    /// Of values.
+    scene: Scene,
+    /// What combines the scene's colours with those of a ball, if it has any; edits bring transfer functions.
+    blend: Option<Operator>,
+    /// Balls that make the paths long.
+    balls: usize,
+    subdivision: Subdivision,
+    edits: Vec<Edit>,
+}
+
+const EDITS: usize = 25;
+
+fn sequence() -> impl Strategy<Value = Sequence> {
+    // Blocks of 16 are reconstructed in several parts.
+    let subdivision = (1u32..=4, 0u32..=2, any::<bool>()).prop_map(|(min, more, exact)| Subdivision {
+        min_block: 1 << min,
+        max_block: 1 << (min + more),
+        boundary: if exact { Boundary::Exact } else { Boundary::Centre },
+        ..Subdivision::default()
+    });
+    let balls = prop_oneof![15 => Just(0usize), 1 => Just(70)];
+    let blend = prop::option::weighted(0.4, parts::color_operator());
+    let edits = prop::collection::vec(edit(), EDITS);
+    (value_scene(), blend, balls, subdivision, edits).prop_map(|(scene, blend, balls, subdivision, edits)| Sequence {
+        scene,
+        blend,
+        balls,
+        subdivision,
+        edits,
+    })
+}
+
+impl Sequence {
+    fn tree(&self) -> Twig {
+        let root = self.scene.model.root().expect("a node");
+        let mut tree = Twig::of(&self.scene.model, root);
+        for n in 0..self.balls {
+            let center = DVec3::new(n as f64 * 0.3 - 10.0, 3.0, (n % 7) as f64);
+            let solid = Solid::Sphere { center, radius: 1.5 };
+            let operator = seeded(&parts::operator(), 3);
+            tree = Twig::combined(operator, tree, Twig::leaf(&Primitive::crisp(solid, n as f32)));
+        }
+        tree
+    }
+
+    /// The model of a tree after edit `n`. Some of the edits change its colours, if it has any, some those beside it.
+    fn model(&self, tree: &Twig, n: usize) -> Model {
+        let mut model = tree.model();
+        let (Some(root), Some(blend)) = (model.root(), &self.blend) else {
+            return model;
+        };
+        let classified = |model: &mut Model, child, edit: usize| {
+            let transfer = Arc::new(self.edits[edit].with.transfer.clone());
+            model.push(Node::Classify { child, transfer })
+        };
+        let first = classified(&mut model, root, n / 5 * 5);
+        let ball = Solid::Sphere {
+            center: DVec3::ONE,
+            radius: 5.0,
+        };
+        let ball = model.push(Node::Primitive(Primitive::soft(ball, 50.0)));
+        let second = classified(&mut model, ball, n / 3);
+        let Operator { op, rule, family } = blend.clone();
+        model.push(Node::Combine(Combine {
+            op,
+            rule,
+            family,
+            first,
+            second,
+        }));
+        model
+    }
+
+    /// Some voxels more than ten along the longest axis.
+    fn lattice(&self) -> Lattice {
+        let bounds = self.scene.lattice.world_bounds();
+        // A chain of maps may have moved a model beyond all numbers.
+        let somewhere = Aabb::new(DVec3::splat(-13.0), DVec3::splat(13.0));
+        let on = |bounds: &Aabb| Lattice::axis_aligned(bounds, bounds.size().max_element() / 7.0);
+        on(&bounds).unwrap_or_else(|_| on(&somewhere).expect("a lattice"))
+    }
+
+    /// Follows the edits, each time by what `update` makes of the target and the model after the edit.
+    fn follow(&self, mut update: impl FnMut(&Target, &Model) -> Update) -> Result<(), String> {
+        let mut tree = self.tree();
+        let mut before = tree.clone();
+        let lattice = self.lattice();
+        let mut target = Target::on_lattice(&self.model(&tree, 0), lattice, &self.subdivision).expect("a small target");
+        let mut voxels = VoxelTarget::new(&target).voxels;
+        for (n, edit) in self.edits.iter().enumerate() {
+            let edited = edit.apply(&tree, &before);
+            let model = self.model(&edited, n);
+            let update = update(&target, &model);
+            voxels = update.voxels(&target, voxels);
+            target = update.target;
+            let anew = Target::on_lattice(&model, lattice, &self.subdivision).expect("a small target");
+            same(&target, &voxels, &anew).map_err(|what| format!("edit {n}, {:?}: {what}", edit.kind))?;
+            before = std::mem::replace(&mut tree, edited);
+        }
+        Ok(())
+    }
+}
+
+fn updated(target: &Target, model: &Model) -> Update {
+    target.updated(model, &target.subdivision).expect("a small target")
+}
+
+/// Whether an updated target with its voxels is the one that was built anew.
+fn same(target: &Target, voxels: &[BlockVoxels], anew: &Target) -> Result<(), String> {
+    let text = |found: &dyn std::fmt::Debug| format!("{found:?}");
+    let octree = |t: &Target| -> Octree { t.octree.clone() };
+    let described = |t: &Target| (text(&t.blocks), text(&t.value_range), t.lattice);
+    if octree(target) != octree(anew) || described(target) != described(anew) {
+        return Err(format!(
+            "{:?} with {:?}, not {:?}",
+            target.blocks, target.octree, anew.blocks
+        ));
+    }
+    if target.paths != anew.paths {
+        return Err(format!("paths {:?}, not {:?}", target.paths, anew.paths));
+    }
+    let truth = VoxelTarget::new(anew).voxels;
+    for ((found, true_voxels), block) in voxels.iter().zip(&truth).zip(&anew.blocks) {
+        same_voxels(found, true_voxels).map_err(|what| format!("{block:?}: {what}"))?;
+    }
+    Ok(())
+}
+
+fn same_voxels(found: &BlockVoxels, truth: &BlockVoxels) -> Result<(), String> {
+    let equal = |a: &[f32], b: &[f32]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_bits(*a, *b));
+    let coverage = |v: &BlockVoxels| v.coverage.clone().unwrap_or_default();
+    if found.dims != truth.dims || found.apron != truth.apron {
+        return Err(format!("{:?} voxels, not {:?}", found.dims, truth.dims));
+    }
+    if !equal(&found.premultiplied, &truth.premultiplied) || !equal(&coverage(found), &coverage(truth)) {
+        return Err("other voxels".into());
+    }
+    let colors = |v: &BlockVoxels| v.rgb().map(|rgb| rgb.as_flattened().to_vec());
+    match (colors(found), colors(truth)) {
+        (None, None) => {}
+        (Some(a), Some(b)) if equal(&a, &b) => {}
+        _ => return Err("other colours".into()),
+    }
+    Ok(())
+}
+
+proptest! {
+    // 10,000 edits in all.
+    #![proptest_config(cases(400))]
+
+    #[test]
+    fn an_edited_target_is_the_one_built_anew(sequence in sequence()) {
+        prop_assert_eq!(sequence.follow(updated), Ok(()));
+    }
+}
+
+/// How many of some sequences show a mistake in their updates.
+fn seen(mistake: impl Fn(&Target, Update) -> Update) -> usize {
+    let shows = |seed: &u64| {
+        let sequence = seeded(&sequence(), *seed);
+        let follow = |target: &Target, model: &Model| mistake(target, updated(target, model));
+        sequence.follow(follow).is_err()
+    };
+    (0..40).filter(shows).count()
+}
+
+#[test]
+fn forgetting_what_has_changed_is_seen() {
+    assert_eq!(seen(|_, update| update), 0);
+    let forgotten = seen(|_, update| Update {
+        changed: vec![],
+        ..update
+    });
+    assert!(forgotten > 20, "{forgotten} of 40");
+}
+
+#[test]
+fn keeping_blocks_by_their_place_alone_is_seen() {
+    let place = |b: &Block| (b.origin, b.size, b.layout);
+    let careless = seen(|before, update| {
+        let kept = update.target.blocks.iter().map(|block| {
+            let old = before.blocks.iter().position(|old| place(old) == place(block));
+            old.map(|index| index as u32)
+        });
+        Update {
+            kept: kept.collect(),
+            ..update
+        }
+    });
+    assert!(careless > 20, "{careless} of 40");
+}
+
+/// A row of balls far apart, one of which is moved.
+fn row_of_balls(moved_by: f64) -> Model {
+    let mut model = Model::default();
+    let ids: Vec<NodeId> = (0..6)
+        .map(|n| {
+            let shift = if n == 2 { DVec3::Y * moved_by } else { DVec3::ZERO };
+            let center = DVec3::X * 20.0 * f64::from(n) + shift;
+            model.push(Node::Primitive(Primitive::soft(
+                Solid::Sphere { center, radius: 6.0 },
+                n as f32,
+            )))
+        })
+        .collect();
+    let operator = seeded(&parts::operator(), 0);
+    model.fold(vcsg::model::BooleanOp::Union, operator.rule, operator.family, ids);
+    model
+}
+
+#[test]
+fn what_an_edit_does_not_touch_is_kept() {
+    let subdivision = Subdivision {
+        min_block: 8,
+        ..Subdivision::default()
+    };
+    let bounds = Aabb::new(DVec3::splat(-10.0), DVec3::new(110.0, 10.0, 10.0));
+    let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
+    let target = Target::on_lattice(&row_of_balls(0.0), lattice, &subdivision).expect("a target");
+    let update = updated(&target, &row_of_balls(1.5));
+    let touches_third = |b: &Block| b.origin[0] + b.size > 40 && b.origin[0] < 60;
+    for (block, kept) in update.target.blocks.iter().zip(&update.kept) {
+        assert!(kept.is_some() || touches_third(block), "{block:?}");
+    }
+    assert!(update.kept.iter().any(Option::is_none));
+    let uses_ball_2 = |step: &Step| matches!(step, Step::Leaf(2) | Step::LeafInside(2));
+    assert!(update.target.paths.iter().flatten().any(uses_ball_2));
+}
+
+#[test]
+fn another_subdivision_is_built_anew() {
+    let bounds = Aabb::new(DVec3::splat(-10.0), DVec3::new(110.0, 10.0, 10.0));
+    let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
+    let [coarse, fine] = [16, 4].map(|min_block| Subdivision {
+        min_block,
+        ..Subdivision::default()
+    });
+    let target = Target::on_lattice(&row_of_balls(0.0), lattice, &coarse).expect("a target");
+    let update = target.updated(&row_of_balls(0.0), &fine).expect("a target");
+    assert!(update.kept.iter().all(Option::is_none));
+    assert_eq!(update.target.subdivision, fine);
+}
