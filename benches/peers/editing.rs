@@ -34,6 +34,9 @@ const FAR: [f64; 3] = [37.0, -53.0, 41.0];
 /// The most that a new transfer function may cost before its frame is drawn, in frames.
 const TRANSFER_BAR: f64 = 1.0;
 
+/// The most that a subtree used twice may cost, in two subtrees that differ.
+const SHARED_BAR: f64 = 0.8;
+
 /// The most that building a scene of little may take at its peak, in grids of all voxels' values and coverages.
 const MEMORY_BAR: f64 = 1.0;
 
@@ -79,6 +82,7 @@ pub fn compare(device: &Arc<Device>, repetitions: usize) -> Outcome<Vec<Comparis
             true,
         )?,
         transfer(device, &bricks, repetitions)?,
+        shared(repetitions)?,
         little_memory()?,
     ])
 }
@@ -267,6 +271,58 @@ fn transfer(device: &Arc<Device>, bricks: &Arc<Bricks>, repetitions: usize) -> O
     }
     let what = "transfer function, until it is drawn; a frame";
     Ok(Comparison::of(what, edits, frames, TRANSFER_BAR))
+}
+
+/// A dozen tubes, and half of them painted over by the same dozen, or by one of other values.
+fn painted_over(other: f32) -> Outcome<Model> {
+    let mut model = Model::default();
+    let mut tubes = |value: f32| {
+        let tube = |n: usize| {
+            let profile = Profile::torus(30.0 + 7.0 * n as f64, 6.0);
+            let child = model.push(Node::Primitive(Primitive::soft(
+                Solid::revolved(profile),
+                value + n as f32,
+            )));
+            let parent_from_child =
+                DAffine3::from_translation(scene::middle()) * DAffine3::from_rotation_x(0.5 * n as f64);
+            model.push(Node::Transform {
+                child,
+                parent_from_child,
+            })
+        };
+        let all: Vec<NodeId> = (0..12).map(tube).collect();
+        model.fold(BooleanOp::Union, ValueRule::Max, Family::MinMax, all)
+    };
+    let first = tubes(50.0).ok_or("no tubes")?;
+    let child = match other {
+        0.0 => first,
+        _ => tubes(50.0 + other).ok_or("no tubes")?,
+    };
+    let plane = Plane::through(scene::middle(), DVec3::X).ok_or("a plane needs a direction")?;
+    let half = model.push(Node::Cut { child, plane });
+    let (op, rule) = (BooleanOp::SubtractionWithRule, ValueRule::Sum);
+    model.fold(op, rule, Family::MinMax, [first, half]);
+    Ok(model)
+}
+
+/// A subtree that is used twice, and two that differ in their values.
+fn shared(repetitions: usize) -> Outcome<Comparison> {
+    let (once, twice) = (painted_over(0.0)?, painted_over(0.5)?);
+    let voxels = |model: &Model| timed(|| built(model).map(|target| VoxelTarget::new(&target).voxels));
+    let (mut shared, mut apart) = (Vec::new(), Vec::new());
+    for _ in 0..repetitions {
+        for (model, runs) in [(&once, &mut shared), (&twice, &mut apart)] {
+            let (made, run) = voxels(model);
+            made?;
+            runs.push(run);
+        }
+    }
+    Ok(Comparison::of(
+        "a subtree used twice; two that differ",
+        shared,
+        apart,
+        SHARED_BAR,
+    ))
 }
 
 /// What a scene of small things far apart takes at its peak, and what a grid of all voxels would, in MiB for milliseconds.

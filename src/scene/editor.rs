@@ -11,6 +11,19 @@ use super::{Scene, SceneError, Source};
 use crate::output::{OutputError, write_whole};
 
 /// A scene with its history.
+///
+/// ```
+/// use vcsg::scene::{Editor, NoVolumes, Scene, with_property};
+///
+/// let text = "scene { sphere radius=20 } // a ball\n";
+/// let scene = Scene::parse("ball.kdl", text, ".".as_ref(), &mut NoVolumes)?;
+/// let mut editor = Editor::new(&scene, NoVolumes)?;
+/// editor.edit(|source| with_property(source, &[0, 0], "radius", Some(12.into())))?;
+/// assert_eq!(editor.scene().to_text(), "scene { sphere radius=12 } // a ball\n");
+/// editor.undo()?;
+/// assert_eq!(editor.scene().to_text(), text);
+/// # Ok::<(), vcsg::scene::SceneError>(())
+/// ```
 pub struct Editor<L> {
     scene: Scene,
     loader: Remembered<L>,

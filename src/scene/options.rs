@@ -86,16 +86,19 @@ impl TargetOptions {
         Ok((lattice, lattice.value_range(model)?))
     }
 
-    /// The target of `model`, made from the one before an edit: where both have one lattice, only what the edit touches is made anew.
+    /// The target of `model`, made from the one before an edit: where both have one lattice, only what the edit touches is made anew. A
+    /// lattice that was coarsened is looked for again.
     ///
     /// # Errors
     /// As [`Self::build`].
     pub fn update(&self, before: &Target, model: &Model) -> Result<Update, TargetError> {
-        if !self.coarsen && Lattice::of_model(model, self.spacing_mm)? == before.lattice {
-            before.updated(model, &self.subdivision())
-        } else {
-            self.build(model).map(Update::anew)
+        if Lattice::of_model(model, self.spacing_mm)? == before.lattice {
+            match before.updated(model, &self.subdivision()) {
+                Err(TargetError::OverBudget { .. }) if self.coarsen => {}
+                result => return result,
+            }
         }
+        self.build(model).map(Update::anew)
     }
 
     /// The target of `model`.
