@@ -133,20 +133,26 @@ impl<'a> RowEvaluator<'a> {
             }
             return;
         }
-        self.depth = 0;
-        for &step in path {
-            self.apply(step, &voxels);
-        }
-        if self.depth == 0 {
-            self.push(voxels.len);
-        }
-        let row = &self.rows[0];
+        let row = self.run(path, &voxels);
         for (out, (v, c)) in premultiplied.iter_mut().zip(row.value.iter().zip(&row.coverage)) {
             *out = v * c;
         }
         if let Some(coverage) = coverage {
             coverage.copy_from_slice(&row.coverage);
         }
+    }
+
+    /// The row that a path leaves. Apart, so that the short rows of a lone volume do not pay for what a path may need.
+    #[inline(never)]
+    fn run(&mut self, path: &[Step], voxels: &Voxels) -> &Row {
+        self.depth = 0;
+        for &step in path {
+            self.apply(step, voxels);
+        }
+        if self.depth == 0 {
+            self.push(voxels.len);
+        }
+        &self.rows[0]
     }
 
     /// Colours times coverage at the voxels evaluated last.
