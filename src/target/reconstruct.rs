@@ -141,6 +141,18 @@ impl<'a> RowEvaluator<'a> {
             }
             return;
         }
+        let row = self.run(path, &voxels);
+        for (out, (v, c)) in premultiplied.iter_mut().zip(row.value.iter().zip(&row.coverage)) {
+            *out = v * c;
+        }
+        if let Some(coverage) = coverage {
+            coverage.copy_from_slice(&row.coverage);
+        }
+    }
+
+    /// The row that a path leaves. Apart, so that the short rows of a lone volume do not pay for what a path may need.
+    #[inline(never)]
+    fn run(&mut self, path: &[Step], voxels: &Voxels) -> &Row {
         self.depth = 0;
         if self.path != path {
             self.path = path.to_vec();
@@ -148,7 +160,7 @@ impl<'a> RowEvaluator<'a> {
         }
         for n in 0..self.program.len() {
             match self.program[n] {
-                Instruction::Step(step) => self.apply(step, &voxels),
+                Instruction::Step(step) => self.apply(step, voxels),
                 Instruction::Keep(slot) => self.keep(slot as usize),
                 Instruction::Again(slot) => self.again(slot as usize, voxels.len),
             }
@@ -156,13 +168,7 @@ impl<'a> RowEvaluator<'a> {
         if self.depth == 0 {
             self.push(voxels.len);
         }
-        let row = &self.rows[0];
-        for (out, (v, c)) in premultiplied.iter_mut().zip(row.value.iter().zip(&row.coverage)) {
-            *out = v * c;
-        }
-        if let Some(coverage) = coverage {
-            coverage.copy_from_slice(&row.coverage);
-        }
+        &self.rows[0]
     }
 
     /// Colours times coverage at the voxels evaluated last.
