@@ -2,6 +2,7 @@
 
 mod bounds;
 mod combine;
+pub mod deform;
 mod node;
 mod prune;
 mod tree;
@@ -9,4 +10,4 @@ mod tree;
 pub use combine::Operator;
 pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 pub use prune::{Boundary, Pruned};
-pub use tree::{FramePlane, Leaf, Source, Step, Tree, TreeError};
+pub use tree::{FramePlane, Leaf, Source, Space, Step, Tree, TreeError};

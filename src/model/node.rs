@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
+use super::deform::Morph;
 use crate::math::{Interval, Plane};
 use crate::volume::Bricks;
 use crate::voxelize::Primitive;
@@ -134,6 +135,15 @@ pub enum Node {
         /// Where it goes.
         parent_from_child: DAffine3,
     },
+    /// The child deformed (VCSG §2.2, *deformation*).
+    Deform {
+        /// What is deformed.
+        child: NodeId,
+        /// How.
+        morph: Arc<Morph>,
+        /// What samples may be displaced by where the morph is interpolated, in voxels of the target.
+        error_voxels: f64,
+    },
     /// The child with its values mapped.
     Transfer {
         /// Whose values.
@@ -157,9 +167,10 @@ impl Node {
     pub fn children(&self) -> impl Iterator<Item = NodeId> {
         let (first, second) = match self {
             Self::Volume(_) | Self::Primitive(_) => (None, None),
-            Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
-                (Some(*child), None)
-            }
+            Self::Transform { child, .. }
+            | Self::Deform { child, .. }
+            | Self::Transfer { child, .. }
+            | Self::Cut { child, .. } => (Some(*child), None),
             Self::Combine(c) => (Some(c.first), Some(c.second)),
         };
         first.into_iter().chain(second)
@@ -170,9 +181,10 @@ impl Node {
         let mut node = self.clone();
         match &mut node {
             Self::Volume(_) | Self::Primitive(_) => {}
-            Self::Transform { child, .. } | Self::Transfer { child, .. } | Self::Cut { child, .. } => {
-                *child = new(*child)
-            }
+            Self::Transform { child, .. }
+            | Self::Deform { child, .. }
+            | Self::Transfer { child, .. }
+            | Self::Cut { child, .. } => *child = new(*child),
             Self::Combine(c) => (c.first, c.second) = (new(c.first), new(c.second)),
         }
         node

@@ -10,10 +10,11 @@
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
+use super::deform::{Frame, Region, Table, Warp, WarpError, WarpReport};
 use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::Sample;
-use crate::voxelize::{Grade, Placed};
+use crate::voxelize::{Grade, Placed, Primitive};
 
 /// One step of a flattened tree: pushes a sample, or replaces those on top of the stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -39,16 +40,21 @@ pub enum Source {
     Primitive(Box<Placed>),
 }
 
+/// Where a leaf or a cut stands: in the tree's frame, or in that frame as it is below a deformation, by its number.
+pub type Space = Option<u32>;
+
 /// A leaf and where it is.
 #[derive(Clone, Debug)]
 pub struct Leaf {
     /// What it is.
     pub source: Source,
-    /// From the tree's frame to the leaf's own.
+    /// The deformation that the leaf stands in.
+    pub space: Space,
+    /// From the tree's frame, as it is in the leaf's space, to the leaf's own.
     pub local_from_frame: DAffine3,
     /// Its box in its own frame.
     pub local_bounds: Aabb,
-    /// A box of the tree's frame that holds the leaf.
+    /// A box of the tree's frame, as it is in the leaf's space, that holds the leaf.
     pub frame_bounds: Aabb,
 }
 
@@ -75,8 +81,9 @@ pub struct Tree {
     steps: Vec<Step>,
     leaves: Vec<Leaf>,
     maps: Vec<ValueMap>,
-    cuts: Vec<FramePlane>,
+    cuts: Vec<(Space, FramePlane)>,
     operators: Vec<Operator>,
+    warps: Vec<Warp>,
 }
 
 /// Why a model cannot be flattened.
@@ -92,6 +99,9 @@ pub enum TreeError {
     /// A transform that flattens space.
     #[error("a transform cannot be undone: its matrix is singular or not finite; scale by numbers other than 0")]
     Singular,
+    /// A deformation that cannot be tabulated.
+    #[error(transparent)]
+    Warp(#[from] WarpError),
 }
 
 impl From<&Plane> for FramePlane {
@@ -120,13 +130,14 @@ impl FramePlane {
 }
 
 impl Leaf {
-    fn new(source: Source, local_from_frame: DAffine3, local_bounds: Aabb) -> Self {
+    fn new(source: Source, space: Space, local_from_frame: DAffine3, local_bounds: Aabb) -> Self {
         let local_from_frame = affine::snapped(&local_from_frame);
         let hull = local_bounds.transformed(&local_from_frame.inverse());
         // Far more than the rounding of a mapped point, far less than a voxel.
         let slack = 1e-9 * (1.0 + hull.min.abs().max(hull.max.abs()).max_element());
         Self {
             source,
+            space,
             local_from_frame,
             local_bounds,
             frame_bounds: hull.expand(DVec3::splat(slack)),
@@ -185,8 +196,25 @@ impl Tree {
     /// change to those of the next level as `grade` says.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// As [`Self::new`], and if a deformation cannot be tabulated.
     pub fn graded(
+        model: &Model,
+        world_from_frame: &DAffine3,
+        voxel_mm: f64,
+        grade: Option<Grade>,
+    ) -> Result<Self, TreeError> {
+        let mut tree = Self::outline(model, world_from_frame, voxel_mm, grade)?;
+        for warp in &mut tree.warps {
+            warp.tabulate()?;
+        }
+        Ok(tree)
+    }
+
+    /// [`Self::graded`] for boxes alone: what is deformed has its box, and no samples.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn outline(
         model: &Model,
         world_from_frame: &DAffine3,
         voxel_mm: f64,
@@ -207,49 +235,62 @@ impl Tree {
         // A node waits on the stack twice: to have its children visited, then to be written behind them.
         let mut pending: Vec<Visit> = model
             .root()
-            .map(|id| Visit::enter(id, *world_from_frame))
+            .map(|id| Visit::enter(id, *world_from_frame, None))
             .into_iter()
             .collect();
         while let Some(visit) = pending.pop() {
             if visit.children_done {
-                tree.write(model.node(visit.id), &visit.node_from_frame, &sampling);
+                tree.write(model.node(visit.id), &visit, &sampling)?;
             } else {
-                visit.expand(model, &mut pending);
+                let inside = tree.enter(model.node(visit.id), &visit, &sampling)?;
+                visit.expand(model, inside, &mut pending);
             }
         }
         Ok(tree)
     }
 
-    fn write(&mut self, node: &Node, node_from_frame: &DAffine3, sampling: &Sampling) {
+    /// The space that the children of a node stand in.
+    fn enter(&mut self, node: &Node, visit: &Visit, sampling: &Sampling) -> Result<Space, TreeError> {
+        let Node::Deform { morph, error_voxels, .. } = node else {
+            return Ok(visit.space);
+        };
+        let frame = Frame::new(morph, &visit.node_from_frame, sampling.voxel(), *error_voxels);
+        let warp = Warp::new(visit.space, self.nesting(visit.space) + 1, frame)?;
+        self.warps.push(warp);
+        Ok(Some(self.warps.len() as u32 - 1))
+    }
+
+    /// How many deformations hold a space.
+    fn nesting(&self, space: Space) -> usize {
+        space.map_or(0, |warp| self.warps[warp as usize].nesting)
+    }
+
+    fn write(&mut self, node: &Node, visit: &Visit, sampling: &Sampling) -> Result<(), TreeError> {
+        let node_from_frame = &visit.node_from_frame;
         match node {
             Node::Volume(leaf) => {
                 let index_from_world = leaf.bricks.world_from_index().inverse();
                 let index_from_frame = index_from_world * *node_from_frame;
                 self.push_leaf(Leaf::new(
                     Source::Volume(leaf.clone()),
+                    visit.space,
                     index_from_frame,
                     leaf.bricks.index_bounds(),
                 ));
             }
-            Node::Primitive(primitive) => {
-                let world_from_node = sampling.world_from_frame * node_from_frame.inverse();
-                let mut placed = primitive.placed(&world_from_node, sampling.voxel_mm);
-                if let Some(grade) = &sampling.grade {
-                    placed = placed.graded(grade);
-                }
-                let local_from_frame = placed.local_from_world * sampling.world_from_frame;
-                let bounds = placed_bounds(&placed);
-                self.push_leaf(Leaf::new(Source::Primitive(Box::new(placed)), local_from_frame, bounds));
-            }
+            Node::Primitive(primitive) => self.write_primitive(primitive, visit, sampling),
             Node::Transform { .. } => {}
+            Node::Deform { .. } => {
+                let warp = visit.inside.expect("a deformation is a space");
+                let steps = &self.steps[operand_start(&self.steps)..];
+                let source = self.bounds_of(steps, visit.inside, &DAffine3::IDENTITY);
+                self.warps[warp as usize].place(source)?;
+            }
             Node::Transfer { map, .. } => {
                 self.steps.push(Step::Map(self.maps.len() as u32));
                 self.maps.push(map.clone());
             }
-            Node::Cut { plane, .. } => {
-                self.steps.push(Step::Cut(self.cuts.len() as u32));
-                self.cuts.push(FramePlane::from(plane).moved(node_from_frame));
-            }
+            Node::Cut { plane, .. } => self.push_cut(visit.space, FramePlane::from(plane).moved(node_from_frame)),
             Node::Combine(Combine { op, rule, family, .. }) => {
                 self.steps.push(Step::Combine(self.operators.len() as u32));
                 self.operators.push(Operator {
@@ -259,6 +300,24 @@ impl Tree {
                 });
             }
         }
+        Ok(())
+    }
+
+    fn write_primitive(&mut self, primitive: &Primitive, visit: &Visit, sampling: &Sampling) {
+        let world_from_node = sampling.world_from_frame * visit.node_from_frame.inverse();
+        let mut placed = primitive.placed(&world_from_node, sampling.voxel_mm);
+        if let Some(grade) = &sampling.grade {
+            placed = placed.graded(grade);
+        }
+        let local_from_frame = placed.local_from_world * sampling.world_from_frame;
+        let bounds = placed_bounds(&placed);
+        let source = Source::Primitive(Box::new(placed));
+        self.push_leaf(Leaf::new(source, visit.space, local_from_frame, bounds));
+    }
+
+    fn push_cut(&mut self, space: Space, plane: FramePlane) {
+        self.steps.push(Step::Cut(self.cuts.len() as u32));
+        self.cuts.push((space, plane));
     }
 
     fn push_leaf(&mut self, leaf: Leaf) {
@@ -270,8 +329,7 @@ impl Tree {
     pub fn cut_by(mut self, planes: &[Plane], world_from_frame: &DAffine3) -> Self {
         if !self.steps.is_empty() {
             for plane in planes {
-                self.steps.push(Step::Cut(self.cuts.len() as u32));
-                self.cuts.push(FramePlane::from(plane).moved(world_from_frame));
+                self.push_cut(None, FramePlane::from(plane).moved(world_from_frame));
             }
         }
         self
@@ -299,7 +357,12 @@ impl Tree {
 
     /// Plane `index` of a [`Step::Cut`].
     pub fn cut(&self, index: u32) -> &FramePlane {
-        &self.cuts[index as usize]
+        &self.cuts[index as usize].1
+    }
+
+    /// The space that plane `index` stands in.
+    pub fn cut_space(&self, index: u32) -> Space {
+        self.cuts[index as usize].0
     }
 
     /// Operator `index` of a [`Step::Combine`].
@@ -317,6 +380,74 @@ impl Tree {
         !self.maps.is_empty()
     }
 
+    /// How many deformations there are.
+    pub fn warp_count(&self) -> usize {
+        self.warps.len()
+    }
+
+    /// What the tables of the deformations came to.
+    pub fn warp_reports(&self) -> impl Iterator<Item = &WarpReport> {
+        self.warps.iter().map(|warp| warp.table.report())
+    }
+
+    /// φ⁻¹ of deformation `index`.
+    pub fn table(&self, index: u32) -> &Table {
+        &self.warp(index).table
+    }
+
+    /// The space that deformation `index` stands in.
+    pub fn space_around(&self, index: u32) -> Space {
+        self.warp(index).outer
+    }
+
+    fn warp(&self, index: u32) -> &Warp {
+        &self.warps[index as usize]
+    }
+
+    /// Of the deformations that lead from `space` to `below`, the first; `None` if there is none.
+    pub(super) fn outermost_below(&self, space: Space, below: Space) -> Option<&Warp> {
+        let mut at = below;
+        while at != space {
+            let warp = self.warp(at?);
+            if warp.outer == space {
+                return Some(warp);
+            }
+            at = warp.outer;
+        }
+        None
+    }
+
+    /// The frame's point `p` in `space`; NaN where nothing is deformed to. As deep as deformations nest.
+    pub fn in_space(&self, space: Space, p: DVec3) -> DVec3 {
+        match space {
+            None => p,
+            Some(index) => {
+                let warp = self.warp(index);
+                warp.table.point(self.in_space(warp.outer, p))
+            }
+        }
+    }
+
+    /// Where the points of `block`, a box of the frame, are in `space`.
+    pub fn region_in(&self, space: Space, block: &Aabb) -> Region {
+        let Some(index) = space else {
+            return Region {
+                hull: *block,
+                beyond: false,
+            };
+        };
+        let warp = self.warp(index);
+        let outer = self.region_in(warp.outer, block);
+        if outer.hull.is_empty() {
+            return Region::NOWHERE;
+        }
+        let region = warp.table.region(&outer.hull);
+        Region {
+            beyond: region.beyond || outer.beyond,
+            ..region
+        }
+    }
+
     /// The model at point `p` of the frame: the truth.
     pub fn sample(&self, p: DVec3) -> Sample {
         let mut stack = Vec::new();
@@ -330,7 +461,7 @@ impl Tree {
         match step {
             Step::Leaf(i) | Step::LeafInside(i) => {
                 let leaf = self.leaf(i);
-                let local = affine::point(&leaf.local_from_frame, p);
+                let local = affine::point(&leaf.local_from_frame, self.in_space(leaf.space, p));
                 let inside = leaf.local_bounds.contains(local);
                 stack.push(if inside {
                     leaf.sample_inside(local)
@@ -344,7 +475,7 @@ impl Tree {
             }
             Step::Cut(i) => {
                 let top = stack.last_mut().expect("a cut has an operand");
-                if self.cut(i).distance(p) > 0.0 {
+                if self.cut(i).distance(self.in_space(self.cut_space(i), p)) > 0.0 {
                     *top = Sample::EMPTY;
                 }
             }
@@ -391,36 +522,69 @@ fn is_singular(node: &Node) -> bool {
     }
 }
 
+/// Where the operand begins that stands last in `steps`.
+fn operand_start(steps: &[Step]) -> usize {
+    let mut wanted = 1;
+    let mut start = steps.len();
+    while wanted > 0 && start > 0 {
+        start -= 1;
+        match steps[start] {
+            Step::Leaf(_) | Step::LeafInside(_) => wanted -= 1,
+            Step::Combine(_) => wanted += 1,
+            Step::Map(_) | Step::Cut(_) => {}
+        }
+    }
+    start
+}
+
 /// A node on the way to being flattened.
 struct Visit {
     id: NodeId,
     node_from_frame: DAffine3,
+    space: Space,
+    /// The space of its children, once they are done.
+    inside: Space,
     children_done: bool,
 }
 
+impl Sampling {
+    /// A voxel in the frame's units, as far as deformations go: 1 on a lattice. Where there is none, a millimetre.
+    fn voxel(&self) -> f64 {
+        let voxel = self.voxel_mm / affine::spacing(&self.world_from_frame).max_element();
+        match voxel > 0.0 {
+            true if (voxel - 1.0).abs() < 1e-9 => 1.0,
+            true => voxel,
+            false => 1.0,
+        }
+    }
+}
+
 impl Visit {
-    fn enter(id: NodeId, node_from_frame: DAffine3) -> Self {
+    fn enter(id: NodeId, node_from_frame: DAffine3, space: Space) -> Self {
         Self {
             id,
             node_from_frame,
+            space,
+            inside: None,
             children_done: false,
         }
     }
 
     /// Puts the node back, to be written after its children, which are pushed so that the first is visited first.
-    fn expand(self, model: &Model, pending: &mut Vec<Self>) {
+    fn expand(self, model: &Model, inside: Space, pending: &mut Vec<Self>) {
         let node = model.node(self.id);
         let child_from_frame = match node {
             Node::Transform { parent_from_child, .. } => parent_from_child.inverse() * self.node_from_frame,
             _ => self.node_from_frame,
         };
         pending.push(Self {
+            inside,
             children_done: true,
             ..self
         });
         let children: Vec<NodeId> = node.children().collect();
         for &child in children.iter().rev() {
-            pending.push(Self::enter(child, child_from_frame));
+            pending.push(Self::enter(child, child_from_frame, inside));
         }
     }
 }

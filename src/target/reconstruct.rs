@@ -2,18 +2,20 @@
 //!
 //! *Theory.* For each voxel, fetch its values in the path's leaves and combine them by the path's operations.
 //! *Changes from the paper.* A path runs once for a row of voxels, not once for a voxel: leaves fill rows of samples, and
-//! operations combine whole rows. Bit for bit the result is the tree's at each voxel (design law 1).
+//! operations combine whole rows. Bit for bit the result is the tree's at each voxel (design law 1). Below a deformation a row is
+//! bent: its points are found once, cell by cell of the deformation's table, and leaves are sampled at them.
 
 use std::ops::Range;
 
 use glam::DVec3;
 
 use crate::math::{Aabb, Overlap, affine};
+use crate::model::deform::Points;
 use crate::model::{Leaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
 
 /// The voxels `(x, y, z)`, `(x + 1, y, z)`, … as many as `len`.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct Voxels {
     x: f64,
     y: f64,
@@ -64,6 +66,14 @@ impl Voxels {
     }
 }
 
+/// Where the points of a row of voxels are below one deformation.
+#[derive(Default)]
+struct WarpedRow {
+    points: Points,
+    /// The row that they are of.
+    of: Option<Voxels>,
+}
+
 /// A row of samples, as separate values and coverages.
 #[derive(Default)]
 struct Row {
@@ -76,6 +86,7 @@ pub struct RowEvaluator<'a> {
     tree: &'a Tree,
     rows: Vec<Row>,
     depth: usize,
+    warped: Vec<WarpedRow>,
 }
 
 impl<'a> RowEvaluator<'a> {
@@ -85,6 +96,7 @@ impl<'a> RowEvaluator<'a> {
             tree,
             rows: Vec::new(),
             depth: 0,
+            warped: (0..tree.warp_count()).map(|_| WarpedRow::default()).collect(),
         }
     }
 
@@ -95,7 +107,8 @@ impl<'a> RowEvaluator<'a> {
                 && let leaf = self.tree.leaf(*index)
                 && let Source::Volume(volume) = &leaf.source
             {
-                volume.bricks.fetch(&bounds.transformed(&leaf.local_from_frame));
+                let region = self.tree.region_in(leaf.space, bounds);
+                volume.bricks.fetch(&region.hull.transformed(&leaf.local_from_frame));
             }
         }
     }
@@ -153,6 +166,9 @@ impl<'a> RowEvaluator<'a> {
         let Source::Volume(volume) = &leaf.source else {
             return None;
         };
+        if leaf.space.is_some() {
+            return None;
+        }
         let inside = match path {
             [Step::Leaf(_)] => voxels.inside(leaf),
             _ => 0..voxels.len,
@@ -178,24 +194,67 @@ impl<'a> RowEvaluator<'a> {
         &mut self.rows[self.depth - 1]
     }
 
+    /// Pushes a row of a leaf, which may be known to hold it.
+    fn leaf(&mut self, leaf: &Leaf, voxels: &Voxels, holds: bool) {
+        let Some(warp) = leaf.space else {
+            let row = self.push(voxels.len);
+            return match holds {
+                true => row.fill_inside(leaf, voxels),
+                false => row.fill(leaf, voxels, voxels.inside(leaf)),
+            };
+        };
+        self.push(voxels.len);
+        self.warp(warp, voxels);
+        let (row, points) = (&mut self.rows[self.depth - 1], &self.warped[warp as usize].points);
+        match holds {
+            true => row.fill_inside_at(leaf, points),
+            false => row.fill_at(leaf, points),
+        }
+    }
+
+    /// Finds where the row is below deformation `warp`, unless that is known.
+    fn warp(&mut self, warp: u32, voxels: &Voxels) {
+        if self.warped[warp as usize].of == Some(*voxels) {
+            return;
+        }
+        let (outer, table) = (self.tree.space_around(warp), self.tree.table(warp));
+        let mut row = std::mem::take(&mut self.warped[warp as usize]);
+        row.points.resize(voxels.len);
+        match outer {
+            None => table.row(DVec3::new(voxels.x, voxels.y, voxels.z), &mut row.points),
+            Some(outer) => {
+                self.warp(outer, voxels);
+                let before = &self.warped[outer as usize].points;
+                (0..voxels.len).for_each(|n| row.points.set(n, table.point(before.get(n))));
+            }
+        }
+        row.of = Some(*voxels);
+        self.warped[warp as usize] = row;
+    }
+
     fn apply(&mut self, step: Step, voxels: &Voxels) {
         let tree = self.tree;
         match step {
-            Step::LeafInside(i) => self.push(voxels.len).fill_inside(tree.leaf(i), voxels),
-            Step::Leaf(i) => {
-                let leaf = tree.leaf(i);
-                self.push(voxels.len).fill(leaf, voxels, voxels.inside(leaf));
-            }
+            Step::LeafInside(i) => self.leaf(tree.leaf(i), voxels, true),
+            Step::Leaf(i) => self.leaf(tree.leaf(i), voxels, false),
             Step::Map(i) => {
                 let map = tree.map(i);
                 self.top().update(|_, s| map.sample(s));
             }
             Step::Cut(i) => {
                 let cut = tree.cut(i);
-                self.top().update(|n, s| {
-                    let p = DVec3::new(voxels.x + n as f64, voxels.y, voxels.z);
-                    if cut.distance(p) > 0.0 { Sample::EMPTY } else { s }
-                });
+                let keep = |p: DVec3, s: Sample| if cut.distance(p) > 0.0 { Sample::EMPTY } else { s };
+                match tree.cut_space(i) {
+                    None => self.top().update(|n, s| {
+                        let p = DVec3::new(voxels.x + n as f64, voxels.y, voxels.z);
+                        keep(p, s)
+                    }),
+                    Some(warp) => {
+                        self.warp(warp, voxels);
+                        let points = &self.warped[warp as usize].points;
+                        self.rows[self.depth - 1].update(|n, s| keep(points.get(n), s));
+                    }
+                }
             }
             Step::Combine(i) => {
                 let operator = tree.operator(i);
@@ -238,6 +297,42 @@ impl Row {
                 self.value.fill(placed.value());
                 self.coverage.fill(1.0);
             }
+        }
+    }
+
+    /// [`Self::fill_inside`] with voxels at `points` of the leaf's space.
+    fn fill_inside_at(&mut self, leaf: &Leaf, points: &Points) {
+        match &leaf.source {
+            Source::Volume(volume) => self.fill_from(leaf, volume, points),
+            Source::Primitive(placed) => {
+                self.value.fill(placed.value());
+                self.coverage.fill(1.0);
+            }
+        }
+    }
+
+    /// Fills the row from a volume, at points of it.
+    fn fill_from(&mut self, leaf: &Leaf, volume: &VolumeLeaf, points: &Points) {
+        volume.bricks.sample_points(&leaf.local_from_frame, points.columns(), &mut self.value);
+        self.coverage.fill(1.0);
+        if !volume.admits_all() {
+            self.update(|_, s| volume.admit(s.value));
+        }
+    }
+
+    /// Fills the row from a leaf whose box some of `points` may lie beyond.
+    fn fill_at(&mut self, leaf: &Leaf, points: &Points) {
+        let local = |n: usize| affine::point(&leaf.local_from_frame, points.get(n));
+        let is_inside = |p: DVec3| leaf.local_bounds.contains(p);
+        match &leaf.source {
+            Source::Volume(volume) => {
+                self.fill_from(leaf, volume, points);
+                self.update(|n, s| if is_inside(local(n)) { s } else { Sample::EMPTY });
+            }
+            Source::Primitive(placed) => self.update(|n, _| match local(n) {
+                p if is_inside(p) => placed.sample(p),
+                _ => Sample::EMPTY,
+            }),
         }
     }
 

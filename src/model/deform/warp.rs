@@ -1,0 +1,267 @@
+//! A morph in a tree's frame: from where things are seen to where they were.
+//!
+//! *Theory.* With M the map from the node's own frame to the tree's, M φ M⁻¹ maps the tree's frame to itself, so what lies below
+//! the deformation keeps its maps. Errors and boxes are in the tree's units: voxels, if the frame is a lattice.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::bound::{Local, norm};
+use super::invert::Preimage;
+use super::morph::Morph;
+use super::table::{Layout, Table};
+use crate::math::{Aabb, affine};
+
+/// A deformation of a tree.
+#[derive(Clone, Debug)]
+pub struct Warp {
+    /// The deformation, above this one in the tree, that points have been taken through before.
+    pub outer: Option<u32>,
+    /// How many deformations a point has been taken through with this one.
+    pub nesting: usize,
+    /// In the tree's frame, where what is deformed may be, before.
+    pub source: Aabb,
+    /// In the tree's frame, where it may be after.
+    pub domain: Aabb,
+    pub frame: Frame,
+    /// φ⁻¹ by cells; empty until it is made.
+    pub table: Arc<Table>,
+}
+
+/// A morph, and how its millimetres lie in the tree's frame.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    pub morph: Arc<Morph>,
+    pub node_from_frame: DAffine3,
+    pub frame_from_node: DAffine3,
+    /// The edge of the smallest cells of the table, in the frame's units.
+    pub step: f64,
+    /// A voxel in the frame's units.
+    pub voxel: f64,
+    /// What interpolation may be off by, in voxels.
+    pub error_voxels: f64,
+}
+
+/// Why a deformation cannot be tabulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WarpError {
+    /// What is deformed is endless.
+    #[error("what is deformed is endless: intersect it with a volume, a box or a sphere inside the deformation")]
+    Endless,
+    /// The search for a preimage stopped within what is deformed.
+    #[error(
+        "a deformation cannot be undone near {:.2} {:.2} {:.2} mm (before it), at landmark {nearest}: the map nearly \
+         folds there; move that landmark less or raise the stiffness",
+        .place_mm.x, .place_mm.y, .place_mm.z
+    )]
+    NoInverse {
+        /// Where the search stopped, before the deformation.
+        place_mm: DVec3,
+        /// The landmark nearest to it.
+        nearest: String,
+    },
+    /// Too many cells.
+    #[error(
+        "a deformation needs more than {} cells to be within its error; allow a larger `error`, or use a larger spacing",
+        Table::MAX_CELLS
+    )]
+    TooManyCells,
+    /// Deformations in deformations.
+    #[error("deformations are nested more than {} deep", Warp::MAX_NESTED)]
+    Nested,
+}
+
+/// What a table of φ⁻¹ came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WarpReport {
+    /// Cells.
+    pub cells: usize,
+    /// The largest error in voxels, measured in the middle of each cell.
+    pub measured_voxels: f64,
+    /// The largest error in voxels that the bounds of all cells of several voxels allow; those of one voxel are exact at
+    /// voxels.
+    pub bound_voxels: f64,
+}
+
+impl Warp {
+    /// The deepest nesting of deformations.
+    pub const MAX_NESTED: usize = 16;
+
+    /// A warp without a table.
+    pub fn new(outer: Option<u32>, nesting: usize, mut frame: Frame) -> Result<Self, WarpError> {
+        if nesting > Self::MAX_NESTED {
+            return Err(WarpError::Nested);
+        }
+        if outer.is_some() {
+            // Points that come from another deformation are not at voxels, where smallest cells are exact.
+            frame.step *= 0.125;
+        }
+        Ok(Self {
+            outer,
+            nesting,
+            source: Aabb::EMPTY,
+            domain: Aabb::EMPTY,
+            frame,
+            table: Arc::default(),
+        })
+    }
+
+    /// States what is deformed, a box of the tree's frame.
+    pub fn place(&mut self, source: Aabb) -> Result<(), WarpError> {
+        if source.is_empty() {
+            return Ok(());
+        }
+        if !source.is_finite() {
+            return Err(WarpError::Endless);
+        }
+        self.source = source;
+        self.domain = self.frame.image_bounds(&source);
+        Ok(())
+    }
+
+    /// Makes the table.
+    pub fn tabulate(&mut self) -> Result<(), WarpError> {
+        let layout = Layout::over(&self.domain, self.frame.step);
+        self.table = Arc::new(Table::build(&self.frame, &self.source, layout)?);
+        Ok(())
+    }
+}
+
+/// The inverse about one point of the frame.
+#[derive(Clone, Copy)]
+pub(super) struct Start {
+    /// The point of the frame.
+    at: DVec3,
+    /// Where it was, in the node's frame.
+    preimage: Preimage,
+}
+
+impl Frame {
+    /// `morph` in a frame of which `voxel` units are a voxel.
+    pub fn new(morph: &Arc<Morph>, node_from_frame: &DAffine3, voxel: f64, error_voxels: f64) -> Self {
+        Self {
+            morph: Arc::clone(morph),
+            node_from_frame: *node_from_frame,
+            frame_from_node: node_from_frame.inverse(),
+            step: voxel,
+            voxel,
+            error_voxels,
+        }
+    }
+
+    /// A bound, in voxels, of the error of trilinear interpolation of φ⁻¹ in the cell of `size` about `start`; infinite if none
+    /// is proven.
+    ///
+    /// Linear interpolation along an axis errs by h²/8 of the second derivative at most, and trilinear by the sum over the axes.
+    /// With g = φ⁻¹, D²g(u, u) = −J⁻¹ D²φ(J⁻¹u, J⁻¹u), known in the middle; away from it by at most the radius times the norm
+    /// of D³g, K⁴T + 3K⁵L² with bounds T and L of φ's third and second derivatives and K of |J⁻¹|. Near a landmark of a thin
+    /// plate, where g has no second derivative: J g = P − w r(g) − …, whose right side is but for P Lipschitz; interpolation of
+    /// what changes by at most c a unit errs by c times the half diagonal.
+    pub(super) fn error_bound(&self, start: &Start, size: f64) -> f64 {
+        let edges = self.edges(size);
+        let half_diagonal = half_diagonal(&edges);
+        let guess = 1.3 * norm(&start.preimage.jacobian.inverse()) * half_diagonal;
+        let local = Local::new(&self.morph.spline, start.preimage.at, guess);
+        let Some((inverse, norm_inverse, most)) = local.inverse() else {
+            return f64::INFINITY;
+        };
+        if most * half_diagonal > guess {
+            return f64::INFINITY;
+        }
+        let voxels = |mm: DVec3| (self.frame_from_node.matrix3 * mm).length() / self.voxel;
+        let voxels_per_mm = norm(&self.frame_from_node.matrix3) / self.voxel;
+        if local.kinks > 0.0 {
+            return voxels_per_mm * norm_inverse * most * half_diagonal * local.change();
+        }
+        let bent: f64 = edges.iter().map(|&u| voxels(inverse * local.bend(inverse * u))).sum();
+        let third = most.powi(4) * local.third + 3.0 * most.powi(5) * local.second * local.second;
+        let squares: f64 = edges.iter().map(|u| u.length_squared()).sum();
+        (bent + voxels_per_mm * squares * half_diagonal * third) / 8.0
+    }
+
+    /// The edges of a cell of `size` of the frame, in the node's millimetres.
+    fn edges(&self, size: f64) -> [DVec3; 3] {
+        let m = &self.node_from_frame.matrix3;
+        [m.x_axis * size, m.y_axis * size, m.z_axis * size]
+    }
+
+    /// Finds where the frame's point `at` was, from a place nearby; `Err` has where the search stopped, in the node's frame.
+    pub(super) fn seek(&self, at: DVec3, near: &Start) -> Result<Start, DVec3> {
+        let moved = self.node_from_frame.matrix3 * (at - near.at);
+        let guess = near.preimage.at + near.preimage.jacobian.inverse() * moved;
+        let target = affine::point(&self.node_from_frame, at);
+        let preimage = self.morph.spline.invert(target, guess)?;
+        Ok(Start { at, preimage })
+    }
+
+    /// Finds where the frame's point `at` was, from no other.
+    pub(super) fn seek_afresh(&self, at: DVec3) -> Result<Start, DVec3> {
+        let target = affine::point(&self.node_from_frame, at);
+        let spline = &self.morph.spline;
+        // Where the landmarks' movement, as it is here, would have come from.
+        let guess = target - (spline.point(target) - target);
+        let preimage = spline
+            .invert(target, guess)
+            .or_else(|_| spline.invert(target, target))?;
+        Ok(Start { at, preimage })
+    }
+
+    /// `start` in the frame.
+    pub(super) fn place(&self, start: &Start) -> DVec3 {
+        affine::point(&self.frame_from_node, start.preimage.at)
+    }
+
+    /// A box of the frame that holds what φ makes of the box `source` of it. φ is one to one there, so what bounds the image is
+    /// the image of the faces. Each is cut in patches, and in a patch φ is linear but for a bounded rest: half the second
+    /// derivative times the radius squared, and each near landmark's weight times the radius.
+    pub fn image_bounds(&self, source: &Aabb) -> Aabb {
+        const PATCHES: usize = 24;
+        let rows = self.frame_from_node.matrix3.transpose();
+        let per_mm = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        let bounds = patches(source, PATCHES).map(|(middle, half)| {
+            let x = affine::point(&self.node_from_frame, middle);
+            let mut edges = self.edges(2.0);
+            (0..3).for_each(|axis| edges[axis] *= half[axis]);
+            let radius = half_diagonal(&edges);
+            let local = Local::new(&self.morph.spline, x, radius);
+            let image = affine::point(&self.frame_from_node, self.morph.spline.point(x));
+            let linear = self.frame_from_node.matrix3 * local.jacobian * self.node_from_frame.matrix3;
+            let reach = absolute(&linear) * half;
+            let rest = 0.5 * local.second * radius * radius + local.kinks * radius;
+            Aabb::of_points([image]).expand(reach + per_mm * rest)
+        });
+        let hull = bounds.fold(Aabb::EMPTY, |hull, patch| hull.hull(&patch));
+        // Far more than rounding, far less than a voxel.
+        hull.expand(DVec3::splat(
+            1e-9 * (1.0 + hull.min.abs().max(hull.max.abs()).max_element()),
+        ))
+    }
+}
+
+/// Half of the longest diagonal of a cell of these edges.
+fn half_diagonal(&[a, b, c]: &[DVec3; 3]) -> f64 {
+    let longest = [a + b + c, a + b - c, a - b + c, a - b - c].map(DVec3::length_squared);
+    0.5 * longest.into_iter().fold(0.0, f64::max).sqrt()
+}
+
+fn absolute(m: &DMat3) -> DMat3 {
+    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
+}
+
+/// The middles and half sizes of `n`² patches of each face of a box.
+fn patches(whole: &Aabb, n: usize) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
+    let (min, size) = (whole.min, whole.size());
+    (0..6 * n * n).map(move |i| {
+        let (face, u, v) = (i % 6, i / 6 % n, i / (6 * n));
+        let axis = face / 2;
+        let (across, along) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (mut at, mut half) = (DVec3::ZERO, size * (0.5 / n as f64));
+        at[axis] = (face % 2) as f64;
+        half[axis] = 0.0;
+        at[across] = (u as f64 + 0.5) / n as f64;
+        at[along] = (v as f64 + 0.5) / n as f64;
+        (min + size * at, half)
+    })
+}
