@@ -1,6 +1,6 @@
 //! What a spline's derivatives can be in a ball.
 //!
-//! *Theory.* About x, split φ in what bends smoothly in the ball and, for a thin plate, the landmarks within 1.5 radii, whose
+//! *Theory.* About x, split φ in what bends smoothly in the ball and, for a thin plate, the landmarks near to it, whose
 //! gradients jump: each is Lipschitz with its weight's length. The smooth part's third derivative is bounded landmark by
 //! landmark; its second is known at x, and so bounded in the ball. Let D be the most that the Jacobian can be from the smooth
 //! part's at x, and κ the norm of that one's inverse: where κD < 1 every Jacobian in the ball has an inverse, of norm at most
@@ -11,9 +11,6 @@ use multiversion::multiversion;
 
 use super::radial::Radial;
 use super::spline::{Columns, LANES, Spline, for_basis, total};
-
-/// Landmarks within this many radii count as near.
-const NEAR: f64 = 1.5;
 
 /// A spline about a point.
 pub(super) struct Local {
@@ -34,9 +31,9 @@ pub(super) struct Local {
 /// Sums about `x`: nine of the smooth part's Jacobian, column after column; six second derivatives (xx yy zz xy xz yz) of each
 /// coordinate; the bound of the third; the near landmarks' weights.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn local_sums<R: Radial>(radial: R, columns: &Columns, x: DVec3, radius: f64) -> [f64; 29] {
+fn local_sums<R: Radial>(radial: R, columns: &Columns, x: DVec3, radius: f64, near: f64) -> [f64; 29] {
     let mut sums = [[0.0; LANES]; 29];
-    let near = if R::HAS_KINK { NEAR * radius } else { -1.0 };
+    let near = if R::HAS_KINK { near } else { -1.0 };
     let [fx, fy, fz] = &columns.from;
     let [wx, wy, wz] = &columns.weight;
     for (c, length) in columns.length.iter().enumerate() {
@@ -74,9 +71,10 @@ fn local_sums<R: Radial>(radial: R, columns: &Columns, x: DVec3, radius: f64) ->
 }
 
 impl Local {
-    /// `spline` in the ball of `radius` (mm) about `x`.
-    pub fn new(spline: &Spline, x: DVec3, radius: f64) -> Self {
-        let sums = for_basis!(spline.basis, radial => local_sums(radial, &spline.columns, x, radius));
+    /// `spline` in the ball of `radius` (mm) about `x`. A thin plate's landmarks within `near` of x are apart; those beyond it
+    /// must be beyond the ball.
+    pub fn new(spline: &Spline, x: DVec3, radius: f64, near: f64) -> Self {
+        let sums = for_basis!(spline.basis, radial => local_sums(radial, &spline.columns, x, radius, near));
         let entries: &[f64; 9] = sums[..9].try_into().expect("nine of many");
         let hessians = [0, 1, 2].map(|i| {
             let s = &sums[9 + 6 * i..];
@@ -97,6 +95,12 @@ impl Local {
     /// The smooth part's second derivative at the point, along `v` twice.
     pub fn bend(&self, v: DVec3) -> DVec3 {
         DVec3::from(self.hessians.map(|h| v.dot(h * v)))
+    }
+
+    /// [`Self::new`] with as many landmarks near as makes the bounds the least: the third derivative of one that is beyond 3
+    /// radii changes its gradient by less than its weight.
+    pub fn bounded(spline: &Spline, x: DVec3, radius: f64) -> Self {
+        Self::new(spline, x, radius, 3.0 * radius)
     }
 
     /// The most that a Jacobian in the ball is from the smooth part's at its middle.

@@ -1,7 +1,7 @@
 //! A spline that is proven to be one to one within a box.
 //!
-//! *Theory.* The box is split until in every part each Jacobian has an inverse ([`Local`]); a part that is still in doubt when it
-//! is small holds a fold, or something so near to one that no picture could tell.
+//! *Theory.* The box is split until in every part each Jacobian is proven to have an inverse ([`Local`]). In a part that is still
+//! in doubt when it is small, what the determinant is decides.
 
 use std::sync::Arc;
 
@@ -97,31 +97,32 @@ fn part(whole: &Aabb, n: usize) -> Aabb {
 /// The least determinant seen in `cell`.
 fn unfolded(spline: &Spline, cell: &Aabb, halvings: u32) -> Result<f64, Fold> {
     let (x, radius) = (cell.center(), 0.5 * cell.size().length());
-    let local = Local::new(spline, x, radius);
+    let local = Local::bounded(spline, x, radius);
     let here = spline.point_and_jacobian(x).1.determinant();
-    if local.inverse().is_some() && here > 0.0 {
-        return Ok(here.min(beside_kinks(&local)));
-    }
-    if here <= 0.0 || halvings == 0 || here.is_nan() {
-        return Err(Fold {
-            place_mm: x,
-            determinant: here.min(beside_kinks(&local)),
-            nearest: spline.nearest(x).to_owned(),
+    let proven = local.inverse().is_some() && here > 0.0;
+    if !proven && here > 0.0 && halvings > 0 {
+        return (0..8).try_fold(here, |least, octant| {
+            let half = Aabb::of_points([cell.corners()[octant], x]);
+            unfolded(spline, &half, halvings - 1).map(|d| least.min(d))
         });
     }
-    (0..8).try_fold(here, |least, octant| {
-        let corner = cell.corners()[octant];
-        let half = Aabb::of_points([corner, x]);
-        unfolded(spline, &half, halvings - 1).map(|d| least.min(d))
+    let least = match local.kinks > 0.0 && halvings == 0 {
+        true => here.min(beside_landmark(spline, &local, x)),
+        false => here,
+    };
+    if least > 0.0 {
+        return Ok(least);
+    }
+    Err(Fold {
+        place_mm: x,
+        determinant: least,
+        nearest: spline.nearest(x).to_owned(),
     })
 }
 
-/// At a landmark of weight w the Jacobian is S + w nᵀ with every unit vector n: its determinant is det S (1 + nᵀ S⁻¹ w), down
-/// to det S (1 − |S⁻¹| |w|) at least. Where no landmark is near that is det S.
-fn beside_kinks(local: &Local) -> f64 {
-    if local.kinks == 0.0 {
-        return f64::INFINITY;
-    }
-    let inverse = super::bound::norm(&local.jacobian.inverse());
-    local.jacobian.determinant() * (1.0 - inverse * local.kinks)
+/// The least determinant beside the landmark nearest to `x`. At a landmark of weight w the Jacobian is S + w nᵀ with every unit
+/// vector n, and its determinant det S (1 + nᵀ S⁻¹ w).
+fn beside_landmark(spline: &Spline, local: &Local, x: DVec3) -> f64 {
+    let weight = spline.columns.weight(spline.nearest_index(x));
+    local.jacobian.determinant() * (1.0 - (local.jacobian.inverse() * weight).length())
 }

@@ -71,10 +71,13 @@ impl Radial for Compact {
         }
     }
 
-    /// g′ ≤ 60 k³ and U‴ = 120 k³ t (1 − 2q): 180 c − 60 c³ is largest at c = 1.
+    /// g′ = 60 k³ t² and U‴ = 120 k³ t (1 − 2q), where |1 − 2q| ≤ 1: at most 120 k³ t (1.5 t c(1 − c²) + c³), and the bracket is at
+    /// most 1 for t ≤ 1.
     #[inline(always)]
-    fn third(self, _: f64) -> f64 {
+    fn third(self, r: f64) -> f64 {
         let k = self.per_support;
-        120.0 * k * k * k
+        let q = r * k;
+        let t = if q < 1.0 { 1.0 - q } else { 0.0 };
+        120.0 * k * k * k * (if t < 1.0 { t } else { 1.0 })
     }
 }

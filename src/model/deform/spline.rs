@@ -78,6 +78,11 @@ impl Columns {
     pub fn place(&self, n: usize) -> DVec3 {
         DVec3::from([0, 1, 2].map(|axis| self.from[axis][n / LANES][n % LANES]))
     }
+
+    /// The `n`th landmark's weight.
+    pub fn weight(&self, n: usize) -> DVec3 {
+        DVec3::from([0, 1, 2].map(|axis| self.weight[axis][n / LANES][n % LANES]))
+    }
 }
 
 /// Sums of the radial part at `x`: its value, and the nine entries of its Jacobian, column after column.
@@ -147,11 +152,15 @@ impl Spline {
 
     /// The name of the landmark nearest to `x`, before it moves.
     pub fn nearest(&self, x: DVec3) -> &str {
+        &self.names[self.nearest_index(x)]
+    }
+
+    /// The number of the landmark nearest to `x`.
+    pub(super) fn nearest_index(&self, x: DVec3) -> usize {
         let nearer = |a: &usize, b: &usize| {
             let distance = |n: usize| self.columns.place(n).distance_squared(x);
             distance(*a).total_cmp(&distance(*b))
         };
-        let nearest = (0..self.names.len()).min_by(nearer);
-        nearest.map_or("", |n| &self.names[n])
+        (0..self.names.len()).min_by(nearer).unwrap_or(0)
     }
 }

@@ -80,9 +80,6 @@ pub struct WarpReport {
     pub cells: usize,
     /// The largest error in voxels, measured in the middle of each cell.
     pub measured_voxels: f64,
-    /// The largest error in voxels that the bounds of all cells of several voxels allow; those of one voxel are exact at
-    /// voxels.
-    pub bound_voxels: f64,
 }
 
 impl Warp {
@@ -151,34 +148,44 @@ impl Frame {
         }
     }
 
-    /// A bound, in voxels, of the error of trilinear interpolation of φ⁻¹ in the cell of `size` about `start`; infinite if none
-    /// is proven.
+    /// How φ⁻¹ = g bends at `start`: for each axis of the frame its second derivative along it, in voxels. D²g(u, u) is
+    /// −J⁻¹ D²φ(J⁻¹u, J⁻¹u).
+    pub(super) fn bends(&self, start: &Start) -> DVec3 {
+        let local = Local::new(&self.morph.spline, start.preimage.at, 0.0, 0.0);
+        let inverse = start.preimage.jacobian.inverse();
+        let bends = self.edges(1.0).map(|u| self.voxels(inverse * local.bend(inverse * u)));
+        DVec3::from(bends)
+    }
+
+    /// What interpolation near a thin plate's landmark errs by, at most and in voxels, in the cell of `size` about `start`;
+    /// 0 where no landmark is near to it.
     ///
-    /// Linear interpolation along an axis errs by h²/8 of the second derivative at most, and trilinear by the sum over the axes.
-    /// With g = φ⁻¹, D²g(u, u) = −J⁻¹ D²φ(J⁻¹u, J⁻¹u), known in the middle; away from it by at most the radius times the norm
-    /// of D³g, K⁴T + 3K⁵L² with bounds T and L of φ's third and second derivatives and K of |J⁻¹|. Near a landmark of a thin
-    /// plate, where g has no second derivative: J g = P − w r(g) − …, whose right side is but for P Lipschitz; interpolation of
-    /// what changes by at most c a unit errs by c times the half diagonal.
-    pub(super) fn error_bound(&self, start: &Start, size: f64) -> f64 {
+    /// There g has no second derivative. With S the smooth part's Jacobian, S g = P − w r(g) − …, and r(g) changes by at most
+    /// the norm K of J⁻¹ a millimetre. Interpolation of what changes by c a millimetre errs by c times the half diagonal. What the
+    /// smooth part bends comes on top.
+    pub(super) fn error_at_landmarks(&self, start: &Start, size: f64) -> f64 {
         let edges = self.edges(size);
         let half_diagonal = half_diagonal(&edges);
-        let guess = 1.3 * norm(&start.preimage.jacobian.inverse()) * half_diagonal;
-        let local = Local::new(&self.morph.spline, start.preimage.at, guess);
-        let Some((inverse, norm_inverse, most)) = local.inverse() else {
-            return f64::INFINITY;
-        };
-        if most * half_diagonal > guess {
+        let spline = &self.morph.spline;
+        let radius = 1.3 * norm(&start.preimage.jacobian.inverse()) * half_diagonal;
+        let local = Local::new(spline, start.preimage.at, radius, 1.5 * radius);
+        if local.kinks == 0.0 {
+            return 0.0;
+        }
+        let inverse = local.jacobian.inverse();
+        let norm_inverse = norm(&inverse);
+        let left = 1.0 - norm_inverse * local.kinks;
+        if left.is_nan() || left <= 0.0 {
             return f64::INFINITY;
         }
-        let voxels = |mm: DVec3| (self.frame_from_node.matrix3 * mm).length() / self.voxel;
+        let bent: f64 = edges.iter().map(|&u| self.voxels(inverse * local.bend(inverse * u))).sum();
         let voxels_per_mm = norm(&self.frame_from_node.matrix3) / self.voxel;
-        if local.kinks > 0.0 {
-            return voxels_per_mm * norm_inverse * most * half_diagonal * local.change();
-        }
-        let bent: f64 = edges.iter().map(|&u| voxels(inverse * local.bend(inverse * u))).sum();
-        let third = most.powi(4) * local.third + 3.0 * most.powi(5) * local.second * local.second;
-        let squares: f64 = edges.iter().map(|u| u.length_squared()).sum();
-        (bent + voxels_per_mm * squares * half_diagonal * third) / 8.0
+        voxels_per_mm * norm_inverse * norm_inverse / left * half_diagonal * local.kinks + bent / 8.0
+    }
+
+    /// The length, in voxels, of a vector of the node's.
+    fn voxels(&self, mm: DVec3) -> f64 {
+        (self.frame_from_node.matrix3 * mm).length() / self.voxel
     }
 
     /// The edges of a cell of `size` of the frame, in the node's millimetres.
@@ -225,7 +232,7 @@ impl Frame {
             let mut edges = self.edges(2.0);
             (0..3).for_each(|axis| edges[axis] *= half[axis]);
             let radius = half_diagonal(&edges);
-            let local = Local::new(&self.morph.spline, x, radius);
+            let local = Local::bounded(&self.morph.spline, x, radius);
             let image = affine::point(&self.frame_from_node, self.morph.spline.point(x));
             let linear = self.frame_from_node.matrix3 * local.jacobian * self.node_from_frame.matrix3;
             let reach = absolute(&linear) * half;
