@@ -20,8 +20,6 @@ pub(super) struct Local {
     pub hessians: [DMat3; 3],
     /// The norm of the smooth part's second derivative in the ball, at most.
     pub second: f64,
-    /// The norm of its third one, at most.
-    pub third: f64,
     /// The most that the near landmarks together change per millimetre.
     pub kinks: f64,
     /// The ball's radius, millimetres.
@@ -86,7 +84,6 @@ impl Local {
             jacobian: DMat3::IDENTITY + spline.drift + DMat3::from_cols_array(entries),
             second: hessians.iter().map(square).sum::<f64>().sqrt() + radius * third,
             hessians,
-            third,
             kinks: sums[28],
             radius,
         }

@@ -22,6 +22,18 @@ const HALVINGS: usize = 12;
 const NEARLY: f64 = 1e-7;
 
 impl Spline {
+    /// The point that goes to `target`; `None` if none is found, as may be where the map folds.
+    pub fn inverse(&self, target: DVec3) -> Option<DVec3> {
+        self.invert_afresh(target).ok().map(|found| found.at)
+    }
+
+    /// [`Self::invert`] from no place nearby.
+    pub(super) fn invert_afresh(&self, target: DVec3) -> Result<Preimage, DVec3> {
+        // Where the movement, as it is here, would have come from.
+        let guess = target - (self.point(target) - target);
+        self.invert(target, guess).or_else(|_| self.invert(target, target))
+    }
+
     /// The point that goes to `target`, sought from `start`; `Err` has where the search came to a stop.
     pub(super) fn invert(&self, target: DVec3, start: DVec3) -> Result<Preimage, DVec3> {
         let nearly = NEARLY * self.scale;

@@ -206,12 +206,7 @@ impl Frame {
     /// Finds where the frame's point `at` was, from no other.
     pub(super) fn seek_afresh(&self, at: DVec3) -> Result<Start, DVec3> {
         let target = affine::point(&self.node_from_frame, at);
-        let spline = &self.morph.spline;
-        // Where the landmarks' movement, as it is here, would have come from.
-        let guess = target - (spline.point(target) - target);
-        let preimage = spline
-            .invert(target, guess)
-            .or_else(|_| spline.invert(target, target))?;
+        let preimage = self.morph.spline.invert_afresh(target)?;
         Ok(Start { at, preimage })
     }
 
