@@ -9,7 +9,7 @@
 
 use glam::DAffine3;
 
-use super::{BooleanOp, FramePlane, Leaf, Model, Node, Source, Space, Step, Tree};
+use super::{BooleanOp, FramePlane, Leaf, Model, Node, NodeId, Source, Space, Step, Tree};
 use crate::math::Aabb;
 use crate::voxelize::{Placed, Solid};
 
@@ -22,6 +22,14 @@ impl Model {
             boxes.push(node_bounds(node, &boxes));
         }
         boxes
+    }
+
+    /// The box of node `id` in the frame of its parent, as [`Self::bounds`] has it.
+    ///
+    /// # Panics
+    /// If the node is not in the model.
+    pub fn bounds_of(&self, id: NodeId) -> Aabb {
+        self.rooted_at(id).bounds().pop().unwrap_or(Aabb::EMPTY)
     }
 }
 

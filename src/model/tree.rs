@@ -10,7 +10,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
-use super::deform::{Frame, Region, Table, Warp, WarpError, WarpReport};
+use super::deform::{Frame, Morph, Region, Table, Warp, WarpError, WarpReport};
 use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::Sample;
@@ -385,9 +385,9 @@ impl Tree {
         self.warps.len()
     }
 
-    /// What the tables of the deformations came to.
-    pub fn warp_reports(&self) -> impl Iterator<Item = &WarpReport> {
-        self.warps.iter().map(|warp| warp.table.report())
+    /// The deformations, and what their tables came to.
+    pub fn deformations(&self) -> impl Iterator<Item = (&Morph, &WarpReport)> {
+        self.warps.iter().map(|warp| (&*warp.frame.morph, warp.table.report()))
     }
 
     /// φ⁻¹ of deformation `index`.

@@ -9,6 +9,8 @@ pub(super) enum Children {
     Shapes,
     /// Nodes of the tree, and the points of a table.
     ShapesAndTable,
+    /// Nodes of the tree, and landmarks.
+    ShapesAndPairs,
     /// Control points.
     Points,
     /// The corners of a solid.
@@ -43,7 +45,7 @@ const fn rule(
     }
 }
 
-use Children::{Corners, None as Leaf, Points, Shapes, ShapesAndTable};
+use Children::{Corners, None as Leaf, Points, Shapes, ShapesAndPairs, ShapesAndTable};
 
 /// Nodes at the top of a file.
 pub(super) const TOP: &[Rule] = &[
@@ -263,6 +265,13 @@ pub(super) const SHAPES: &[Rule] = &[
     ),
     rule("matrix", 1, &[], Shapes, "matrix \"1 0 0 0  0 1 0 0  0 0 1 0\" { … }"),
     rule(
+        "deform",
+        0,
+        &["landmarks", "from", "to", "stiffness", "support", "error"],
+        ShapesAndPairs,
+        "deform landmarks=\"pairs.txt\" { … }",
+    ),
+    rule(
         "map",
         1,
         &["scale", "offset", "a", "b", "c"],
@@ -292,6 +301,15 @@ pub(super) const SHAPES: &[Rule] = &[
 /// A point of a value table.
 pub(super) const AT: &[Rule] = &[rule("at", 2, &[], Leaf, "at 100 255")];
 
+/// A landmark of a deformation.
+pub(super) const PAIR: &[Rule] = &[rule(
+    "pair",
+    0,
+    &["from", "to", "name"],
+    Leaf,
+    "pair from=\"0 0 0\" to=\"5 0 0\"",
+)];
+
 /// A control point of a transfer function.
 pub(super) const POINT: &[Rule] = &[rule(
     "point",
@@ -310,6 +328,7 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::None => &[],
         Children::Shapes => &[SHAPES],
         Children::ShapesAndTable => &[SHAPES, AT],
+        Children::ShapesAndPairs => &[SHAPES, PAIR],
         Children::Points => &[POINT],
         Children::Corners => &[CORNER],
     }
@@ -323,7 +342,7 @@ mod tests {
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
         let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
-        for rule in [TOP, SHAPES, AT, POINT, CORNER].into_iter().flatten() {
+        for rule in [TOP, SHAPES, AT, PAIR, POINT, CORNER].into_iter().flatten() {
             assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
             for property in rule.properties {
                 assert!(documented(property, &['`', '=']), "{} of {}", property, rule.name);

@@ -19,6 +19,7 @@
 //! ```
 
 mod appearance;
+mod deform;
 mod edit;
 mod element;
 mod error;

@@ -78,7 +78,7 @@ proptest! {
         let tree = Tree::new(&model, &lattice.world_from_lattice).expect("a tree");
         let (off, compared) = worst(&tree, &lattice, morph.spline());
         prop_assert!(off <= error, "{off} voxels off, by {error} allowed, of {compared}");
-        let measured = tree.warp_reports().next().expect("one").measured_voxels;
+        let measured = tree.deformations().next().expect("one").1.measured_voxels;
         prop_assert!(measured <= error && off <= 2.0 * measured.max(0.05 * error), "measured {measured}, seen {off}");
         prop_assert!(compared > 1000);
     }
@@ -95,9 +95,9 @@ proptest! {
             prop_assert!(holds.contains(moved), "{moved} of {holds:?}");
             reached = reached.hull(&Aabb::of_points([moved]));
         }
-        // Patches of a 24th leave little beside the movement itself.
+        // Some hundred points do not reach everywhere, and patches are bounded: of 120 mm and their movement a fifth is much.
         let loose = (holds.size() - reached.size()).max_element();
-        prop_assert!(loose < 15.0, "{loose} mm too large");
+        prop_assert!(loose < 24.0, "{loose} mm too large");
     }
 }
 

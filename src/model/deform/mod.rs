@@ -14,6 +14,7 @@ mod build;
 mod invert;
 mod landmarks;
 mod morph;
+pub mod files;
 mod fit;
 mod radial;
 mod spline;
