@@ -322,7 +322,8 @@ fn a_slice_in_the_wrong_band_is_seen() {
     let swapped = |plan: &mut SlicePlan| {
         *plan = bands::cut_into(plan.clone(), 4);
         // Nothing that is drawn has no slice to put elsewhere.
-        plan.slices.rotate_left(plan.slices.len().min(1));
+        let first = plan.slices.len().min(1);
+        plan.slices.rotate_left(first);
     };
     let cut = |plan: &mut SlicePlan| *plan = bands::cut_into(plan.clone(), 4);
     assert_eq!(seen(cut, ordered), 0);
