@@ -187,6 +187,11 @@ pub fn scene() -> impl Strategy<Value = Scene> {
     scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed(), 1)
 }
 
+/// Random scenes in which nothing is deformed.
+pub fn undeformed_scene() -> impl Strategy<Value = Scene> {
+    scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed(), 0)
+}
+
 /// Random scenes in which coverage is 0 or 1 and nothing is deformed.
 pub fn crisp_scene() -> impl Strategy<Value = Scene> {
     scene_of(parts::crisp().boxed(), 0)

@@ -52,8 +52,9 @@ struct Grown {
 }
 
 impl Table {
-    /// The table over `layout` of the inverse of `frame`'s morph, for what lay within `source`.
-    pub(super) fn build(frame: &Frame, source: &Aabb, layout: Layout) -> Result<Self, WarpError> {
+    /// The table of the inverse of `frame`'s morph, for what lay within `source` and is within `domain`.
+    pub(super) fn build(frame: &Frame, source: &Aabb, domain: &Aabb) -> Result<Self, WarpError> {
+        let layout = Layout::over(domain, frame.step);
         let count = AtomicUsize::new(0);
         let grown: Vec<Result<Grown, WarpError>> = (0..layout.roots())
             .into_par_iter()
@@ -64,6 +65,7 @@ impl Table {
         }
         let mut table = Self {
             layout,
+            domain: *domain,
             ..Self::default()
         };
         for root in grown {

@@ -26,9 +26,11 @@ pub(super) struct Layout {
 }
 
 /// φ⁻¹ by cells.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct Table {
     pub(super) layout: Layout,
+    /// Beyond it nothing is, whatever interpolation says: what is deformed keeps to its box.
+    pub(super) domain: Aabb,
     /// The nodes of the root cells, x fastest.
     pub(super) roots: Vec<Node>,
     pub(super) branches: Vec<Branch>,
@@ -198,6 +200,20 @@ impl Cell {
     }
 }
 
+impl Default for Table {
+    /// Of nothing.
+    fn default() -> Self {
+        Self {
+            layout: Layout::default(),
+            domain: Aabb::EMPTY,
+            roots: Vec::new(),
+            branches: Vec::new(),
+            cells: Vec::new(),
+            report: WarpReport::default(),
+        }
+    }
+}
+
 impl Table {
     /// The most cells that a table may have.
     pub const MAX_CELLS: usize = 1 << 22;
@@ -210,7 +226,7 @@ impl Table {
     /// Where the frame's point `p` was before the deformation; NaN where nothing is.
     pub fn point(&self, p: DVec3) -> DVec3 {
         let q = self.layout.steps(p);
-        let Some(found) = self.find(q) else {
+        let Some(found) = self.find(q).filter(|_| self.domain.contains(p)) else {
             return NOWHERE;
         };
         match found.node {
@@ -239,6 +255,13 @@ impl Table {
             }
             start = end;
         }
+        // Within the rest of the row nothing is beyond the domain, as its ends are not.
+        let is_beyond = |n: &usize| !self.domain.contains(first + DVec3::X * *n as f64);
+        let ahead = (0..xs.len()).take_while(is_beyond).count();
+        let behind = (ahead..xs.len()).rev().take_while(is_beyond).count();
+        let end = xs.len() - behind;
+        xs[..ahead].fill(f64::NAN);
+        xs[end..].fill(f64::NAN);
     }
 
     /// How many of the columns x, x + 1, … lie in a node that holds the first: at least that one.
@@ -297,8 +320,15 @@ impl Table {
 
     /// Where the points of `block`, a box of the frame, come from.
     pub fn region(&self, block: &Aabb) -> Region {
-        let mut region = Region::NOTHING;
-        let wanted = Aabb::new(self.layout.steps(block.min), self.layout.steps(block.max));
+        let inside = block.intersect(&self.domain);
+        if inside.is_empty() {
+            return Region::NOWHERE;
+        }
+        let mut region = Region {
+            beyond: inside != *block,
+            ..Region::NOTHING
+        };
+        let wanted = Aabb::new(self.layout.steps(inside.min), self.layout.steps(inside.max));
         let layout = &self.layout;
         let root = |x: f64| x.floor() as i64 >> layout.root_log2;
         let ranges = [0, 1, 2].map(|a| {

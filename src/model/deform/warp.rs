@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::bound::{Local, norm};
 use super::invert::Preimage;
 use super::morph::Morph;
-use super::table::{Layout, Table};
+use super::table::Table;
 use crate::math::{Aabb, affine};
 
 /// A deformation of a tree.
@@ -120,8 +120,7 @@ impl Warp {
 
     /// Makes the table.
     pub fn tabulate(&mut self) -> Result<(), WarpError> {
-        let layout = Layout::over(&self.domain, self.frame.step);
-        self.table = Arc::new(Table::build(&self.frame, &self.source, layout)?);
+        self.table = Arc::new(Table::build(&self.frame, &self.source, &self.domain)?);
         Ok(())
     }
 }
