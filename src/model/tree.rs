@@ -254,7 +254,8 @@ impl Tree {
         let Node::Deform { morph, error_voxels, .. } = node else {
             return Ok(visit.space);
         };
-        let frame = Frame::new(morph, &visit.node_from_frame, sampling.voxel(), *error_voxels);
+        let frames = [&visit.node_from_frame, &sampling.world_from_frame];
+        let frame = Frame::new(morph, frames, sampling.voxel(), *error_voxels);
         let warp = Warp::new(visit.space, self.nesting(visit.space) + 1, frame)?;
         self.warps.push(warp);
         Ok(Some(self.warps.len() as u32 - 1))

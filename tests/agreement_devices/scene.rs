@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use vcsg::math::{Interval, Plane};
+use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::deform::{Landmark, Morph, Smoothness, Spline};
 use vcsg::model::{BooleanOp, Combine, Family, Model, Node, ValueRule, VolumeLeaf};
 use vcsg::projection::{
     Camera, ControlPoint, DepthCue, FrameSpec, Light, Material, Mode, Projection, Settings, Shading, TransferFunction,
@@ -38,6 +39,8 @@ pub enum Content {
     Carved,
     /// A volume and a ball beside and within it.
     United,
+    /// A volume bent by landmarks at its corners.
+    Deformed,
 }
 
 /// All that a frame needs.
@@ -67,13 +70,13 @@ pub const FRAME_PX: [u32; 2] = [48, 40];
 impl Recipe {
     /// All of it left to the seed.
     pub fn random(seed: u64) -> Self {
-        use Content::{Carved, Turned, United, Volume};
+        use Content::{Carved, Deformed, Turned, United, Volume};
         let random = &mut Random(!seed);
         let mode = random.of(&Mode::ALL);
         Self {
             seed,
             voxels: random.of(&[VoxelType::U8, VoxelType::I16, VoxelType::F32]),
-            content: random.of(&[Volume, Turned, Carved, United]),
+            content: random.of(&[Volume, Turned, Carved, United, Deformed]),
             mode: random.of(&[Mode::Composite, mode]),
             lit: random.below(2) == 1,
             perspective: random.below(2) == 1,
@@ -138,6 +141,13 @@ impl Recipe {
                 let child = model.push(Node::Cut { child: volume, plane });
                 let second = model.push(ball);
                 model.push(combine(BooleanOp::Subtraction, ValueRule::First, child, second));
+            }
+            Content::Deformed => {
+                model.push(Node::Deform {
+                    child: volume,
+                    morph: Arc::new(bent(&bounds, random)),
+                    error_voxels: 0.1,
+                });
             }
             Content::United => {
                 let second = model.push(ball);
@@ -249,4 +259,16 @@ fn transfer(random: &mut Random) -> TransferFunction {
         point(220.0, [0.02, 0.3]),
     ];
     TransferFunction::new(points, 1.0).expect("rising values")
+}
+
+/// Each corner of `bounds` goes up to a twelfth of its size along each axis.
+fn bent(bounds: &Aabb, random: &mut Random) -> Morph {
+    let mut by = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0) / 12.0)) * bounds.size();
+    let landmarks = bounds.corners().map(|from| Landmark {
+        name: "corner".into(),
+        from,
+        to: from + by(),
+    });
+    let spline = Spline::new(&landmarks, &Smoothness::default()).expect("a spline");
+    Morph::new(spline, *bounds).expect("corners that go apart fold nothing")
 }

@@ -34,7 +34,7 @@ struct Vertex {
 struct Grower<'a> {
     frame: &'a Frame,
     source: &'a Aabb,
-    step: f64,
+    layout: &'a Layout,
     /// Cells of all roots so far.
     count: &'a AtomicUsize,
     vertices: HashMap<[i64; 3], Vertex>,
@@ -54,7 +54,7 @@ struct Grown {
 impl Table {
     /// The table of the inverse of `frame`'s morph, for what lay within `source` and is within `domain`.
     pub(super) fn build(frame: &Frame, source: &Aabb, domain: &Aabb) -> Result<Self, WarpError> {
-        let layout = Layout::over(domain, frame.step);
+        let layout = Layout::over(domain, frame.step, frame.anchor);
         let count = AtomicUsize::new(0);
         let grown: Vec<Result<Grown, WarpError>> = (0..layout.roots())
             .into_par_iter()
@@ -118,7 +118,7 @@ fn grow_root(
     let mut grower = Grower {
         frame,
         source,
-        step: layout.step,
+        layout,
         count,
         vertices: HashMap::new(),
         branches: Vec::new(),
@@ -141,13 +141,13 @@ impl Grower<'_> {
         if self.count.load(Ordering::Relaxed) > Table::MAX_CELLS {
             return Ok(Node::Empty);
         }
-        let middle = (DVec3::from(origin.map(|x| x as f64)) + 0.5 * edge as f64) * self.step;
+        let middle = self.layout.place(DVec3::from(origin.map(|x| x as f64)) + 0.5 * edge as f64);
         let found = match self.seek(middle, parent) {
             Ok(found) => found,
             Err(stop) if edge == 1 => return self.unreachable(stop),
             Err(_) => return self.split(origin, edge, None),
         };
-        let size = edge as f64 * self.step;
+        let size = edge as f64 * self.layout.step;
         let allowed = self.frame.error_voxels;
         let at_landmarks = if edge > 1 { self.frame.error_at_landmarks(&found, size) } else { 0.0 };
         if at_landmarks > allowed {
@@ -188,7 +188,7 @@ impl Grower<'_> {
     }
 
     fn vertex(&mut self, at: [i64; 3], near: &Start) -> Result<Vertex, WarpError> {
-        let place = DVec3::from(at.map(|x| x as f64)) * self.step;
+        let place = self.layout.place(DVec3::from(at.map(|x| x as f64)));
         let vertex = match self.seek(place, Some(near)) {
             Ok(found) => Vertex {
                 place: self.frame.place(&found),
@@ -226,7 +226,7 @@ impl Grower<'_> {
     /// Where no preimage is found, there is none of what is deformed, unless the search stopped within that.
     fn unreachable(&self, stop: DVec3) -> Result<Node, WarpError> {
         let place = affine::point(&self.frame.frame_from_node, stop);
-        if !self.source.expand(DVec3::splat(self.step)).contains(place) {
+        if !self.source.expand(DVec3::splat(self.layout.step)).contains(place) {
             return Ok(Node::Empty);
         }
         Err(WarpError::NoInverse {

@@ -76,7 +76,7 @@ impl Morph {
     /// A box that holds what it makes of a box.
     pub(in crate::model) fn image_bounds(&self, source: &Aabb) -> Aabb {
         match source.is_finite() {
-            true => Frame::new(&Arc::new(self.clone()), &DAffine3::IDENTITY, 1.0, 1.0).image_bounds(source),
+            true => Frame::new(&Arc::new(self.clone()), [&DAffine3::IDENTITY; 2], 1.0, 1.0).image_bounds(source),
             false => *source,
         }
     }

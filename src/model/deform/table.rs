@@ -12,11 +12,13 @@ use glam::DVec3;
 use super::warp::WarpReport;
 use crate::math::Aabb;
 
-/// Where a table's cells lie. Lengths are in steps, the edge of the smallest cells, from the frame's origin.
+/// Where a table's cells lie. Lengths are in steps, the edge of the smallest cells, from the anchor.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Layout {
     /// The edge of a smallest cell in the frame's units.
     pub step: f64,
+    /// A point of the frame, in steps, where cells of all sizes have a corner.
+    pub anchor: DVec3,
     /// log₂ of the edge of a root cell.
     pub root_log2: u32,
     /// The first root cell, counted in root cells.
@@ -126,11 +128,11 @@ impl Layout {
     const MOST_ROOTS: f64 = 128.0;
 
     /// Root cells over `domain`, a box of the frame.
-    pub fn over(domain: &Aabb, step: f64) -> Self {
+    pub fn over(domain: &Aabb, step: f64, anchor: DVec3) -> Self {
         if domain.is_empty() {
             return Self::default();
         }
-        let (min, max) = (domain.min / step, domain.max / step);
+        let (min, max) = (domain.min / step - anchor, domain.max / step - anchor);
         let longest = (max - min).max_element() / Self::MOST_ROOTS;
         let root_log2 = (Self::ROOT_LOG2..40).find(|&log2| f64::from(log2).exp2() >= longest);
         let root_log2 = root_log2.unwrap_or(40);
@@ -138,6 +140,7 @@ impl Layout {
         let (first, last) = (root(min), root(max));
         Self {
             step,
+            anchor,
             root_log2,
             first,
             dims: [0, 1, 2].map(|a| last[a] - first[a] + 1),
@@ -161,7 +164,12 @@ impl Layout {
     /// The point of the frame `p` in steps.
     #[inline(always)]
     fn steps(&self, p: DVec3) -> DVec3 {
-        p / self.step
+        p / self.step - self.anchor
+    }
+
+    /// The point of the frame that is at `q`, in steps.
+    pub fn place(&self, q: DVec3) -> DVec3 {
+        (q + self.anchor) * self.step
     }
 }
 
@@ -267,8 +275,9 @@ impl Table {
     /// How many of the columns x, x + 1, … lie in a node that holds the first: at least that one.
     fn columns(&self, found: &Found, x: f64) -> usize {
         let end = (found.origin[0] + found.edge) as f64;
-        let inside = |n: usize| (x + n as f64) / self.layout.step < end;
-        let mut count = (end * self.layout.step - x).ceil().max(1.0) as usize;
+        let layout = &self.layout;
+        let inside = |n: usize| (x + n as f64) / layout.step - layout.anchor.x < end;
+        let mut count = ((end + layout.anchor.x) * layout.step - x).ceil().max(1.0) as usize;
         while count > 1 && !inside(count - 1) {
             count -= 1;
         }
@@ -283,10 +292,11 @@ impl Table {
         let t = found.fraction(q);
         let [a, b] = cell.row(t.y, t.z);
         let (origin, per_edge) = (found.origin[0] as f64, 1.0 / found.edge as f64);
+        let (step, anchor) = (self.layout.step, self.layout.anchor.x);
         for (axis, part) in parts.into_iter().enumerate() {
             let (a, b) = (a[axis], b[axis]);
             for (n, out) in part.iter_mut().enumerate() {
-                let t = ((x + n as f64) / self.layout.step - origin) * per_edge;
+                let t = ((x + n as f64) / step - anchor - origin) * per_edge;
                 *out = lerp(a, b, t);
             }
         }

@@ -37,6 +37,8 @@ pub struct Frame {
     pub frame_from_node: DAffine3,
     /// The edge of the smallest cells of the table, in the frame's units.
     pub step: f64,
+    /// A point of the frame, in steps, where cells of all sizes have a corner.
+    pub anchor: DVec3,
     /// A voxel in the frame's units.
     pub voxel: f64,
     /// What interpolation may be off by, in voxels.
@@ -94,6 +96,7 @@ impl Warp {
         if outer.is_some() {
             // Points that come from another deformation are not at voxels, where smallest cells are exact.
             frame.step *= 0.125;
+            frame.anchor *= 8.0;
         }
         Ok(Self {
             outer,
@@ -135,15 +138,19 @@ pub(super) struct Start {
 }
 
 impl Frame {
-    /// `morph` in a frame of which `voxel` units are a voxel.
-    pub fn new(morph: &Arc<Morph>, node_from_frame: &DAffine3, voxel: f64, error_voxels: f64) -> Self {
+    /// `morph` in a frame of which `voxel` units are a voxel. Cells have corners at voxels, and lie alike in the world in all
+    /// lattices that are parts of one: wherever those begin, a voxel comes from the same place.
+    pub fn new(morph: &Arc<Morph>, [node_from_frame, world_from_frame]: [&DAffine3; 2], voxel: f64, error: f64) -> Self {
+        let origin = world_from_frame.inverse().translation / voxel;
         Self {
             morph: Arc::clone(morph),
             node_from_frame: *node_from_frame,
             frame_from_node: node_from_frame.inverse(),
             step: voxel,
+            // Lattices are often half a voxel off the origin, or not at all; neither is near to where this jumps.
+            anchor: (origin + 0.25).floor(),
             voxel,
-            error_voxels,
+            error_voxels: error,
         }
     }
 
