@@ -64,7 +64,7 @@ fn off_from_preimage(spline: &Spline, place: DVec3, seen: DVec3) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn every_voxel_is_within_the_error(

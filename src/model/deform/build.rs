@@ -21,12 +21,14 @@ use crate::math::{Aabb, affine};
 /// How much more than at its corners a derivative may be in a cell.
 const MARGIN: f64 = 1.25;
 
-/// The inverse at a corner of cells.
+/// A corner of cells.
 #[derive(Clone, Copy)]
 struct Vertex {
-    /// Where it was, in the frame; NaN if nothing comes to it.
-    place: DVec3,
-    /// How the inverse bends there, in voxels.
+    /// Where it is, in the frame.
+    at: DVec3,
+    /// The inverse there, if it is found.
+    start: Option<Start>,
+    /// How the inverse bends there, in voxels; infinite if it is not found.
     bends: DVec3,
 }
 
@@ -142,65 +144,86 @@ impl Grower<'_> {
             return Ok(Node::Empty);
         }
         let middle = self.layout.place(DVec3::from(origin.map(|x| x as f64)) + 0.5 * edge as f64);
-        let found = match self.seek(middle, parent) {
-            Ok(found) => found,
-            Err(stop) if edge == 1 => return self.unreachable(stop),
-            Err(_) => return self.split(origin, edge, None),
+        let found = self.seek(middle, parent);
+        if edge == 1 {
+            return self.smallest(origin, found, parent);
+        }
+        let Ok(found) = found else {
+            return self.split(origin, edge, None);
         };
         let size = edge as f64 * self.layout.step;
         let allowed = self.frame.error_voxels;
-        let at_landmarks = if edge > 1 { self.frame.error_at_landmarks(&found, size) } else { 0.0 };
-        if at_landmarks > allowed {
+        let at_landmarks = self.frame.error_at_landmarks(&found, size);
+        if at_landmarks > allowed || self.frame.is_coarse(&found, size) {
             return self.split(origin, edge, Some(&found));
         }
-        let vertices = self.corners(origin, edge, &found)?;
+        let vertices = self.corners(origin, edge, Some(&found));
         let bends = vertices.iter().fold(self.frame.bends(&found), |most, v| most.max(v.bends));
         let bent = MARGIN / 8.0 * size * size * bends.element_sum();
-        if edge > 1 && at_landmarks == 0.0 && !(bent <= allowed) {
+        let is_bent = bent.is_nan() || bent > allowed;
+        if bends == DVec3::INFINITY || is_bent && at_landmarks == 0.0 {
             return self.split(origin, edge, Some(&found));
         }
-        self.push(Cell(vertices.map(|v| v.place)), &found, edge)
+        self.measure(&vertices, &found);
+        Ok(self.push(&vertices, &found))
     }
 
-    /// Keeps a cell. Interpolation errs the most in its middle where φ⁻¹ bends one way; a cell of one voxel is not asked there.
-    fn push(&mut self, cell: Cell, middle: &Start, edge: i64) -> Result<Node, WarpError> {
-        if edge > 1 {
-            let off = (cell.0.iter().sum::<DVec3>() / 8.0).distance(self.frame.place(middle)) / self.frame.voxel;
-            self.report.measured_voxels = self.report.measured_voxels.max(off);
+    /// A cell of one voxel. Corners that nothing is found to come to are beyond what is deformed, and go on as the cell does.
+    fn smallest(
+        &mut self,
+        origin: [i64; 3],
+        middle: Result<Start, DVec3>,
+        parent: Option<&Start>,
+    ) -> Result<Node, WarpError> {
+        let vertices = self.corners(origin, 1, middle.as_ref().ok().or(parent));
+        let known = middle.ok().or(vertices.iter().find_map(|v| v.start));
+        match (known, middle) {
+            (Some(known), _) => Ok(self.push(&vertices, &known)),
+            (None, Err(stop)) => self.unreachable(stop),
+            (None, Ok(_)) => Ok(Node::Empty),
         }
+    }
+
+    /// Keeps a cell.
+    fn push(&mut self, vertices: &[Vertex; 8], known: &Start) -> Node {
+        let place = |v: &Vertex| match &v.start {
+            Some(start) => self.frame.place(start),
+            None => self.frame.extrapolated(v.at, known),
+        };
+        self.cells.push(Cell(vertices.each_ref().map(place)));
         self.count.fetch_add(1, Ordering::Relaxed);
         self.report.cells += 1;
-        self.cells.push(cell);
-        Ok(Node::Cell(self.cells.len() as u32 - 1))
+        Node::Cell(self.cells.len() as u32 - 1)
     }
 
-    /// The corners of a cell, each found once.
-    fn corners(&mut self, origin: [i64; 3], edge: i64, middle: &Start) -> Result<[Vertex; 8], WarpError> {
-        let mut vertices = [Vertex::NOWHERE; 8];
-        for (corner, vertex) in vertices.iter_mut().enumerate() {
+    /// Interpolation errs the most in a cell's middle where φ⁻¹ bends one way.
+    fn measure(&mut self, vertices: &[Vertex; 8], middle: &Start) {
+        let corners = vertices.iter().filter_map(|v| v.start.as_ref());
+        let mean = corners.map(|start| self.frame.place(start)).sum::<DVec3>() / 8.0;
+        let off = mean.distance(self.frame.place(middle)) / self.frame.voxel;
+        self.report.measured_voxels = self.report.measured_voxels.max(off);
+    }
+
+    /// The corners of a cell, each sought once.
+    fn corners(&mut self, origin: [i64; 3], edge: i64, near: Option<&Start>) -> [Vertex; 8] {
+        std::array::from_fn(|corner| {
             let at = [0, 1, 2].map(|a| origin[a] + if corner >> a & 1 == 1 { edge } else { 0 });
-            *vertex = match self.vertices.get(&at) {
+            match self.vertices.get(&at) {
                 Some(known) => *known,
-                None => self.vertex(at, middle)?,
-            };
-        }
-        Ok(vertices)
+                None => {
+                    let vertex = self.vertex(at, near);
+                    self.vertices.insert(at, vertex);
+                    vertex
+                }
+            }
+        })
     }
 
-    fn vertex(&mut self, at: [i64; 3], near: &Start) -> Result<Vertex, WarpError> {
-        let place = self.layout.place(DVec3::from(at.map(|x| x as f64)));
-        let vertex = match self.seek(place, Some(near)) {
-            Ok(found) => Vertex {
-                place: self.frame.place(&found),
-                bends: self.frame.bends(&found),
-            },
-            Err(stop) => {
-                self.unreachable(stop)?;
-                Vertex::NOWHERE
-            }
-        };
-        self.vertices.insert(at, vertex);
-        Ok(vertex)
+    fn vertex(&self, at: [i64; 3], near: Option<&Start>) -> Vertex {
+        let at = self.layout.place(DVec3::from(at.map(|x| x as f64)));
+        let start = self.seek(at, near).ok();
+        let bends = start.as_ref().map_or(DVec3::INFINITY, |start| self.frame.bends(start));
+        Vertex { at, start, bends }
     }
 
     fn split(&mut self, origin: [i64; 3], edge: i64, middle: Option<&Start>) -> Result<Node, WarpError> {
@@ -226,7 +249,7 @@ impl Grower<'_> {
     /// Where no preimage is found, there is none of what is deformed, unless the search stopped within that.
     fn unreachable(&self, stop: DVec3) -> Result<Node, WarpError> {
         let place = affine::point(&self.frame.frame_from_node, stop);
-        if !self.source.expand(DVec3::splat(self.layout.step)).contains(place) {
+        if !self.source.contains(place) {
             return Ok(Node::Empty);
         }
         Err(WarpError::NoInverse {
@@ -234,11 +257,4 @@ impl Grower<'_> {
             nearest: self.frame.morph.spline().nearest(stop).to_owned(),
         })
     }
-}
-
-impl Vertex {
-    const NOWHERE: Self = Self {
-        place: DVec3::NAN,
-        bends: DVec3::INFINITY,
-    };
 }

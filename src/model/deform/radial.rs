@@ -20,6 +20,9 @@ pub(super) trait Radial: Copy {
     /// Whether the gradient jumps at the landmark.
     const HAS_KINK: bool;
 
+    /// How far from the landmark it is not 0, millimetres.
+    fn reach(self) -> f64;
+
     /// At the distance `r`.
     fn terms(self, r: f64) -> Terms;
 
@@ -33,6 +36,10 @@ pub(super) struct ThinPlate;
 
 impl Radial for ThinPlate {
     const HAS_KINK: bool = true;
+
+    fn reach(self) -> f64 {
+        f64::INFINITY
+    }
 
     #[inline(always)]
     fn terms(self, r: f64) -> Terms {
@@ -57,6 +64,10 @@ pub(super) struct Compact {
 
 impl Radial for Compact {
     const HAS_KINK: bool = false;
+
+    fn reach(self) -> f64 {
+        1.0 / self.per_support
+    }
 
     #[inline(always)]
     fn terms(self, r: f64) -> Terms {

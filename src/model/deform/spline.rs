@@ -150,6 +150,16 @@ impl Spline {
         self.rank
     }
 
+    /// The reach of landmarks that is felt within `radius` of `x`: infinite where nothing ends.
+    pub(super) fn reach_felt(&self, x: DVec3, radius: f64) -> f64 {
+        let reach = for_basis!(self.basis, radial => radial.reach());
+        let is_felt = |n: usize| self.columns.place(n).distance(x) < reach + radius;
+        match reach.is_finite() && (0..self.names.len()).any(is_felt) {
+            true => reach,
+            false => f64::INFINITY,
+        }
+    }
+
     /// The name of the landmark nearest to `x`, before it moves.
     pub fn nearest(&self, x: DVec3) -> &str {
         &self.names[self.nearest_index(x)]

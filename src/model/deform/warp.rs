@@ -163,6 +163,15 @@ impl Frame {
         DVec3::from(bends)
     }
 
+    /// Whether the cell of `size` about `start` may hold more than its corners and its middle tell: landmarks whose reach ends are
+    /// felt in it, and it is larger than an eighth of that.
+    pub(super) fn is_coarse(&self, start: &Start, size: f64) -> bool {
+        let edges = self.edges(size);
+        let radius = 1.3 * norm(&start.preimage.jacobian.inverse()) * half_diagonal(&edges);
+        let felt = self.morph.spline.reach_felt(start.preimage.at, radius);
+        edges.iter().any(|u| u.length() > felt / 8.0)
+    }
+
     /// What interpolation near a thin plate's landmark errs by, at most and in voxels, in the cell of `size` about `start`;
     /// 0 where no landmark is near to it.
     ///
@@ -214,6 +223,13 @@ impl Frame {
         let target = affine::point(&self.node_from_frame, at);
         let preimage = self.morph.spline.invert_afresh(target)?;
         Ok(Start { at, preimage })
+    }
+
+    /// Where `at` would be in the frame if φ⁻¹ were linear about `start`.
+    pub(super) fn extrapolated(&self, at: DVec3, start: &Start) -> DVec3 {
+        let moved = self.node_from_frame.matrix3 * (at - start.at);
+        let guess = start.preimage.at + start.preimage.jacobian.inverse() * moved;
+        affine::point(&self.frame_from_node, guess)
     }
 
     /// `start` in the frame.
