@@ -68,7 +68,9 @@ pub struct Comparison {
 
 /// Compares on both volumes, and on one with the map that is cheaper for VTK; each comparison is printed when it is done.
 pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
-    println!("\nA 256³ volume deformed by {LANDMARKS} landmarks on a lattice of 256³, linear; seconds, and how many times as fast as vtkImageReslice");
+    println!(
+        "\nA 256³ volume deformed by {LANDMARKS} landmarks on a lattice of 256³, linear; seconds, and how many times as fast as vtkImageReslice"
+    );
     println!(
         "{:<14} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} | {:>7} {:>6} {:>6}  {:<14} | cells, error measured and of all voxels, mean and most apart from VTK",
         "", "median", "min", "CPU", "VTK med", "min", "CPU", "median", "min", "CPU", "bar"
@@ -148,10 +150,17 @@ fn compare_one(volume: &str, peers: Peers, repetitions: usize) -> Outcome<Compar
     let (ours, theirs) = (Summary::of(ours), Summary::of(theirs));
     let faster = Ratios::of(&ours, &theirs);
     let held = Held::new(&bricks, &resliced)?;
-    let name = if peers == Peers::Same { volume.to_owned() } else { format!("{volume}, swapped") };
+    let name = if peers == Peers::Same {
+        volume.to_owned()
+    } else {
+        format!("{volume}, swapped")
+    };
     let bars = [
         Bar {
-            what: format!("times as fast as vtkImageReslice with a spline of {}: {name}", about.landmarks),
+            what: format!(
+                "times as fast as vtkImageReslice with a spline of {}: {name}",
+                about.landmarks
+            ),
             value: faster.median,
             limit: Limit::AtLeast(BAR),
         },
@@ -165,7 +174,11 @@ fn compare_one(volume: &str, peers: Peers, repetitions: usize) -> Outcome<Compar
         what: name,
         threads,
         // The other map is a figure and no bar.
-        bars: if peers == Peers::Same { bars.to_vec() } else { Vec::new() },
+        bars: if peers == Peers::Same {
+            bars.to_vec()
+        } else {
+            Vec::new()
+        },
         ours,
         theirs,
         faster,
@@ -219,8 +232,7 @@ impl Held {
         };
         let both = |a: [f64; 4], b: [f64; 4]| [a[0].max(b[0]), a[1].max(b[1]), a[2] + b[2], a[3] + b[3]];
         let count = theirs.len().min(SIDE * SIDE * SIDE);
-        let [worst_voxels, most, sum, compared] =
-            (0..count).into_par_iter().filter_map(each).reduce(|| [0.0; 4], both);
+        let [worst_voxels, most, sum, compared] = (0..count).into_par_iter().filter_map(each).reduce(|| [0.0; 4], both);
         Ok(Self {
             cells: report.cells,
             measured_voxels: report.measured_voxels,

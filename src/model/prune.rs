@@ -10,8 +10,8 @@
 
 use glam::DVec3;
 
-use super::tree::Leaf;
 use super::deform::Region;
+use super::tree::Leaf;
 use super::{BooleanOp, Operator, Source, Space, Step, Tree, ValueRule};
 use crate::math::{Aabb, Interval, Overlap, affine};
 use crate::volume::SampleRange;

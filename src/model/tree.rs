@@ -251,7 +251,10 @@ impl Tree {
 
     /// The space that the children of a node stand in.
     fn enter(&mut self, node: &Node, visit: &Visit, sampling: &Sampling) -> Result<Space, TreeError> {
-        let Node::Deform { morph, error_voxels, .. } = node else {
+        let Node::Deform {
+            morph, error_voxels, ..
+        } = node
+        else {
             return Ok(visit.space);
         };
         let frames = [&visit.node_from_frame, &sampling.world_from_frame];

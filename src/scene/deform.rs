@@ -35,7 +35,8 @@ pub(super) fn spline(element: &Element, base_dir: &Path) -> Result<Spline> {
 pub(super) fn morph(element: &Element, spline: Spline, bounds: &Aabb) -> Result<Morph> {
     let fails = |message: String| element.error(Problem::Deformation(message));
     if !bounds.is_empty() && !bounds.is_finite() {
-        let endless = "what is deformed is endless: intersect it with a volume, a box or a sphere inside the deformation";
+        let endless =
+            "what is deformed is endless: intersect it with a volume, a box or a sphere inside the deformation";
         return Err(fails(endless.into()));
     }
     let within = match bounds.is_empty() {

@@ -313,7 +313,9 @@ impl Row {
 
     /// Fills the row from a volume, at points of it.
     fn fill_from(&mut self, leaf: &Leaf, volume: &VolumeLeaf, points: &Points) {
-        volume.bricks.sample_points(&leaf.local_from_frame, points.columns(), &mut self.value);
+        volume
+            .bricks
+            .sample_points(&leaf.local_from_frame, points.columns(), &mut self.value);
         self.coverage.fill(1.0);
         if !volume.admits_all() {
             self.update(|_, s| volume.admit(s.value));

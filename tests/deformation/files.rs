@@ -10,7 +10,10 @@ use vcsg::model::deform::files::{NamedPoint, paired, read_pairs, read_points, wr
 use crate::random::landmarks;
 
 fn point(name: &str, place: DVec3) -> NamedPoint {
-    NamedPoint { name: name.into(), place }
+    NamedPoint {
+        name: name.into(),
+        place,
+    }
 }
 
 /// A file of `text` in a folder that goes away with what is returned.
@@ -23,7 +26,11 @@ fn file(name: &str, text: &str) -> (TempDir, PathBuf) {
 
 fn points_of(name: &str, text: &str) -> Result<Vec<NamedPoint>, String> {
     let (_folder, path) = file(name, text);
-    read_points(&path).map_err(|e| e.to_string().split_once(name).map_or(String::new(), |(_, rest)| rest.to_owned()))
+    read_points(&path).map_err(|e| {
+        e.to_string()
+            .split_once(name)
+            .map_or(String::new(), |(_, rest)| rest.to_owned())
+    })
 }
 
 proptest! {
@@ -58,7 +65,11 @@ fn axes_are_heeded() {
         ("# CoordinateSystem = LPS\n", -1.0, -2.0),
         ("# CoordinateSystem = 1\n", -1.0, -2.0),
     ] {
-        assert_eq!(points_of("a.fcsv", &fcsv(header, x, y)), Ok(expected.clone()), "{header}");
+        assert_eq!(
+            points_of("a.fcsv", &fcsv(header, x, y)),
+            Ok(expected.clone()),
+            "{header}"
+        );
     }
     let markups = |system: &str, x: f64, y: f64, z: f64| {
         format!(
@@ -74,7 +85,10 @@ fn axes_are_heeded() {
         (r#""coordinateUnits": "cm","#, -0.1, -0.2, 0.3),
     ] {
         let found = points_of("a.mrk.json", &markups(system, x, y, z)).expect("a list");
-        assert!(found.len() == 1 && found[0].place.distance(expected[0].place) < 1e-12, "{system}: {found:?}");
+        assert!(
+            found.len() == 1 && found[0].place.distance(expected[0].place) < 1e-12,
+            "{system}: {found:?}"
+        );
     }
 }
 
@@ -90,9 +104,21 @@ fn what_means_nothing_is_named_with_its_line() {
     told("a.fcsv", "1,2\n", ":1: \"\" is not a coordinate");
     told("a.mrk.json", "{\n\"markups\": 3}", ":2: ");
     told("a.mrk.json", r#"{"markups": []}"#, "no markups");
-    told("a.mrk.json", r#"{"markups": [{"coordinateSystem": "SCS"}]}"#, "coordinate system \"SCS\"");
-    told("a.mrk.json", r#"{"markups": [{"coordinateUnits": "mm2"}]}"#, "coordinate unit");
-    told("a.mrk.json", r#"{"markups": [{"controlPoints": [{"label": "F"}]}]}"#, "F has no position");
+    told(
+        "a.mrk.json",
+        r#"{"markups": [{"coordinateSystem": "SCS"}]}"#,
+        "coordinate system \"SCS\"",
+    );
+    told(
+        "a.mrk.json",
+        r#"{"markups": [{"coordinateUnits": "mm2"}]}"#,
+        "coordinate unit",
+    );
+    told(
+        "a.mrk.json",
+        r#"{"markups": [{"controlPoints": [{"label": "F"}]}]}"#,
+        "F has no position",
+    );
     told("a.csv", "", "a list of points is");
     let pairs = |text: &str| {
         let (_folder, path) = file("a.txt", text);
@@ -100,18 +126,24 @@ fn what_means_nothing_is_named_with_its_line() {
     };
     let message = pairs("# a comment\n1 2 3 4 5 6 # fine\nnose 1,2,3;4 5 six\n").expect_err("no number");
     assert!(message.contains("a.txt:3: \"six\" is not a number"), "{message}");
-    assert!(pairs("1 2 3 4 5\n").expect_err("too few").contains("a.txt:1: a landmark is six numbers"));
+    assert!(
+        pairs("1 2 3 4 5\n")
+            .expect_err("too few")
+            .contains("a.txt:1: a landmark is six numbers")
+    );
     let named = pairs("1 2 3 4 5 6\n\nnose 1,2,3,4,5,6\n").expect("a table");
-    assert_eq!(named.iter().map(|l| &*l.name).collect::<Vec<_>>(), ["of line 1", "nose"]);
+    assert_eq!(
+        named.iter().map(|l| &*l.name).collect::<Vec<_>>(),
+        ["of line 1", "nose"]
+    );
 }
 
 #[test]
 fn two_lists_are_paired_by_name_or_by_order() {
     let at = |x: f64| DVec3::X * x;
     let before = [point("a", at(1.0)), point("b", at(2.0))];
-    let to = |after: &[NamedPoint]| -> Vec<f64> {
-        paired(&before, after).expect("pairs").iter().map(|l| l.to.x).collect()
-    };
+    let to =
+        |after: &[NamedPoint]| -> Vec<f64> { paired(&before, after).expect("pairs").iter().map(|l| l.to.x).collect() };
     assert_eq!(to(&[point("b", at(20.0)), point("a", at(10.0))]), [10.0, 20.0]);
     assert_eq!(to(&[point("b", at(20.0)), point("c", at(10.0))]), [20.0, 10.0]);
     assert_eq!(to(&[point("a", at(20.0)), point("a", at(10.0))]), [20.0, 10.0]);

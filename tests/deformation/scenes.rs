@@ -33,7 +33,10 @@ fn landmarks_come_from_a_table_two_lists_or_children() {
     ] {
         let text = format!("scene {{ deform {properties} {{ {children}\n sphere radius=5 }} }}");
         let scene = parse(&text, folder.path()).expect("a scene");
-        let Some(Node::Deform { morph, error_voxels, .. }) = scene.model.nodes().last() else {
+        let Some(Node::Deform {
+            morph, error_voxels, ..
+        }) = scene.model.nodes().last()
+        else {
             panic!("no deformation: {text}");
         };
         assert_eq!(morph.spline().landmarks(), landmarks);
@@ -51,17 +54,57 @@ fn what_cannot_be_deformed_is_said_with_its_place() {
         assert_eq!(error.place(), Some((2, column)), "{error}");
         assert!(error.to_string().contains(needle), "{error}");
     };
-    told("deform { sphere radius=5 }", 5, "takes its landmarks from `pair` children");
-    told("deform landmarks=\"pairs.txt\" to=\"after.fcsv\" { sphere radius=5 }", 5, "takes its landmarks from");
+    told(
+        "deform { sphere radius=5 }",
+        5,
+        "takes its landmarks from `pair` children",
+    );
+    told(
+        "deform landmarks=\"pairs.txt\" to=\"after.fcsv\" { sphere radius=5 }",
+        5,
+        "takes its landmarks from",
+    );
     told("deform landmarks=\"none.txt\" { sphere radius=5 }", 12, "none.txt");
-    told("deform from=\"before.fcsv\" to=\"short.fcsv\" { sphere radius=5 }", 31, "4 points before and 1 after");
-    told("deform from=\"pairs.txt\" to=\"short.fcsv\" { sphere radius=5 }", 12, "is a .fcsv or a .mrk.json");
-    told("deform landmarks=\"pairs.txt\" stiffness=-1 { sphere radius=5 }", 34, "`stiffness` is -1");
-    told("deform landmarks=\"pairs.txt\" support=0 { sphere radius=5 }", 34, "`support` is 0");
-    told("deform landmarks=\"pairs.txt\" { half-space normal=\"0 0 1\" }", 5, "what is deformed is endless");
+    told(
+        "deform from=\"before.fcsv\" to=\"short.fcsv\" { sphere radius=5 }",
+        31,
+        "4 points before and 1 after",
+    );
+    told(
+        "deform from=\"pairs.txt\" to=\"short.fcsv\" { sphere radius=5 }",
+        12,
+        "is a .fcsv or a .mrk.json",
+    );
+    told(
+        "deform landmarks=\"pairs.txt\" stiffness=-1 { sphere radius=5 }",
+        34,
+        "`stiffness` is -1",
+    );
+    told(
+        "deform landmarks=\"pairs.txt\" support=0 { sphere radius=5 }",
+        34,
+        "`support` is 0",
+    );
+    told(
+        "deform landmarks=\"pairs.txt\" { half-space normal=\"0 0 1\" }",
+        5,
+        "what is deformed is endless",
+    );
     told("deform landmarks=\"pairs.txt\" { }", 5, "needs at least one child");
-    told("deform { pair from=\"0 0 0\" to=\"1 0 0\"; sphere radius=5 }", 5, "1 landmarks are too few");
+    told(
+        "deform { pair from=\"0 0 0\" to=\"1 0 0\"; sphere radius=5 }",
+        5,
+        "1 landmarks are too few",
+    );
     let far = "pair name=\"far\" from=\"1 0 0\" to=\"-9 0 0\"; pair from=\"-1 0 0\" to=\"9 0 0\"; pair from=\"0 9 0\" to=\"0 9 0\"";
-    told(&format!("deform {{ {far}; sphere radius=5 }}"), 5, "space folds over itself about");
-    told("deform { pair from=\"0 0 0\"; sphere radius=5 }", 14, "`pair` needs the property `to`");
+    told(
+        &format!("deform {{ {far}; sphere radius=5 }}"),
+        5,
+        "space folds over itself about",
+    );
+    told(
+        "deform { pair from=\"0 0 0\"; sphere radius=5 }",
+        14,
+        "`pair` needs the property `to`",
+    );
 }

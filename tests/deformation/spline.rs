@@ -42,7 +42,9 @@ fn thin_plate(landmarks: &[Landmark]) -> Spline {
 
 /// The most, in millimetres, that ours and VTK's points are apart.
 fn apart(ours: impl Iterator<Item = DVec3>, theirs: &[DVec3Array]) -> f64 {
-    ours.zip(theirs).map(|(o, t)| o.distance(DVec3::from(*t))).fold(0.0, f64::max)
+    ours.zip(theirs)
+        .map(|(o, t)| o.distance(DVec3::from(*t)))
+        .fold(0.0, f64::max)
 }
 
 /// Landmarks and points are within 100 mm, so a millionth is 1e-4 mm.
@@ -51,10 +53,17 @@ const MILLIONTH_MM: f64 = 1e-4;
 #[test]
 fn points_go_where_vtk_takes_them_and_come_from_where_it_says() {
     let mut oracle = Oracle(Process::start("tests/oracle/thin_plate.py"));
-    let config = Config { cases: 24, failure_persistence: None, ..Config::default() };
+    let config = Config {
+        cases: 24,
+        failure_persistence: None,
+        ..Config::default()
+    };
     let few = landmarks(4..40, 8.0);
     let many = landmarks(200..400, 1.5);
-    let cases = (prop_oneof![3 => few.boxed(), 1 => many.boxed()], prop::collection::vec(point(100.0), 100));
+    let cases = (
+        prop_oneof![3 => few.boxed(), 1 => many.boxed()],
+        prop::collection::vec(point(100.0), 100),
+    );
     let check = |(landmarks, points): (Vec<Landmark>, Vec<DVec3>)| {
         let spline = thin_plate(&landmarks);
         let theirs = oracle.moved(&landmarks, &points);

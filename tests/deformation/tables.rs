@@ -19,7 +19,10 @@ fn bounds() -> Aabb {
 /// A box deformed by `landmarks` gone as much of their way as does not fold it.
 fn deformed(landmarks: &[Landmark], smoothness: &Smoothness, error_voxels: f64) -> (Model, Arc<Morph>) {
     let part = |part: f64| -> Vec<Landmark> {
-        let gone = |l: &Landmark| Landmark { to: l.from.lerp(l.to, part), ..l.clone() };
+        let gone = |l: &Landmark| Landmark {
+            to: l.from.lerp(l.to, part),
+            ..l.clone()
+        };
         landmarks.iter().map(gone).collect()
     };
     let morph = (0..10)
@@ -29,7 +32,11 @@ fn deformed(landmarks: &[Landmark], smoothness: &Smoothness, error_voxels: f64) 
     let morph = Arc::new(morph);
     let mut model = Model::default();
     let child = model.push(Node::Primitive(Primitive::crisp(Solid::Box(bounds()), 1.0)));
-    model.push(Node::Deform { child, morph: Arc::clone(&morph), error_voxels });
+    model.push(Node::Deform {
+        child,
+        morph: Arc::clone(&morph),
+        error_voxels,
+    });
     (model, morph)
 }
 
@@ -42,7 +49,9 @@ fn worst(tree: &Tree, lattice: &Lattice, spline: &Spline) -> (f64, usize) {
     for n in (0..nx * ny * nz).step_by(7) {
         let voxel = DVec3::from([n % nx, n / nx % ny, n / (nx * ny)].map(|i| i as f64));
         let seen = lattice.world_from_lattice.transform_point3(voxel);
-        let place = lattice.world_from_lattice.transform_point3(tree.in_space(Some(0), voxel));
+        let place = lattice
+            .world_from_lattice
+            .transform_point3(tree.in_space(Some(0), voxel));
         let off = match bounds().contains(place) {
             true => off_from_preimage(spline, place, seen),
             false if place.is_nan() && spline.inverse(seen).is_some_and(|p| bounds().contains(p)) => f64::INFINITY,
@@ -106,12 +115,19 @@ proptest! {
 fn the_table_does_not_depend_on_what_is_deformed() {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let landmarks = landmarks(10..11, 10.0).new_tree(&mut runner).expect("a value").current();
+    let landmarks = landmarks(10..11, 10.0)
+        .new_tree(&mut runner)
+        .expect("a value")
+        .current();
     let (model, morph) = deformed(&landmarks, &Smoothness::default(), 0.1);
     let mut smaller = Model::default();
     let part = Aabb::new(DVec3::splat(-33.0), DVec3::splat(20.0));
     let child = smaller.push(Node::Primitive(Primitive::crisp(Solid::Box(part), 1.0)));
-    smaller.push(Node::Deform { child, morph, error_voxels: 0.1 });
+    smaller.push(Node::Deform {
+        child,
+        morph,
+        error_voxels: 0.1,
+    });
     let frame = DAffine3::from_scale(DVec3::splat(2.0));
     let trees = [&model, &smaller].map(|m| Tree::new(m, &frame).expect("a tree"));
     let mut compared = 0;

@@ -20,7 +20,9 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
                 let leaf = tree.leaf(i);
                 match &leaf.source {
                     Source::Primitive(placed) => Sample::solid(placed.value()),
-                    Source::Volume(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, tree.in_space(leaf.space, p))),
+                    Source::Volume(_) => {
+                        leaf.sample_inside(affine::point(&leaf.local_from_frame, tree.in_space(leaf.space, p)))
+                    }
                 }
             }
             Step::Leaf(i) => {
@@ -33,9 +35,9 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
             }
             Step::Map(i) => tree.map(i).sample(stack.pop().expect("an operand")),
             Step::Cut(i) => {
-                let kept = !(tree.cut(i).distance(tree.in_space(tree.cut_space(i), p)) > 0.0);
+                let removed = tree.cut(i).distance(tree.in_space(tree.cut_space(i), p)) > 0.0;
                 let operand = stack.pop().expect("an operand");
-                if kept { operand } else { Sample::EMPTY }
+                if removed { Sample::EMPTY } else { operand }
             }
             Step::Combine(i) => {
                 let second = stack.pop().expect("two operands");

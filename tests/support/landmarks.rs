@@ -34,7 +34,12 @@ impl Landmarks {
             .map(|halvings| 0.5f64.powi(halvings))
             .filter_map(|part| Spline::new(&self.gone(part), &self.smoothness).ok())
             .find_map(|spline| Morph::new(spline, within).ok())
-            .unwrap_or_else(|| panic!("landmarks that hardly move fold nothing, but {self:?} in {within:?} {:?}", Spline::new(&self.gone(1e-3), &self.smoothness).map(|s| Morph::new(s, within).map(|_| ()))))
+            .unwrap_or_else(|| {
+                panic!(
+                    "landmarks that hardly move fold nothing, but {self:?} in {within:?} {:?}",
+                    Spline::new(&self.gone(1e-3), &self.smoothness).map(|s| Morph::new(s, within).map(|_| ()))
+                )
+            })
     }
 }
 

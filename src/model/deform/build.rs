@@ -104,19 +104,15 @@ impl Table {
                 Node::Cell(cell) => Region::of(self.cells[cell as usize].0),
                 Node::Branch(branch) => self.branches[branch as usize].region,
             };
-            let whole = octants.into_iter().fold(Region::NOTHING, |r, node| r.with(&region(node)));
+            let whole = octants
+                .into_iter()
+                .fold(Region::NOTHING, |r, node| r.with(&region(node)));
             self.branches[n].region = whole;
         }
     }
 }
 
-fn grow_root(
-    frame: &Frame,
-    source: &Aabb,
-    layout: &Layout,
-    n: usize,
-    count: &AtomicUsize,
-) -> Result<Grown, WarpError> {
+fn grow_root(frame: &Frame, source: &Aabb, layout: &Layout, n: usize, count: &AtomicUsize) -> Result<Grown, WarpError> {
     let mut grower = Grower {
         frame,
         source,
@@ -143,7 +139,9 @@ impl Grower<'_> {
         if self.count.load(Ordering::Relaxed) > Table::MAX_CELLS {
             return Ok(Node::Empty);
         }
-        let middle = self.layout.place(DVec3::from(origin.map(|x| x as f64)) + 0.5 * edge as f64);
+        let middle = self
+            .layout
+            .place(DVec3::from(origin.map(|x| x as f64)) + 0.5 * edge as f64);
         let found = self.seek(middle, parent);
         if edge == 1 {
             return self.smallest(origin, found, parent);
@@ -158,13 +156,19 @@ impl Grower<'_> {
             return self.split(origin, edge, Some(&found));
         }
         let vertices = self.corners(origin, edge, Some(&found));
-        let bends = vertices.iter().fold(self.frame.bends(&found), |most, v| most.max(v.bends));
+        let bends = vertices
+            .iter()
+            .fold(self.frame.bends(&found), |most, v| most.max(v.bends));
         let bent = MARGIN / 8.0 * size * size * bends.element_sum();
         let is_bent = bent.is_nan() || bent > allowed;
         if bends == DVec3::INFINITY || is_bent && at_landmarks == 0.0 {
             return self.split(origin, edge, Some(&found));
         }
-        self.measure(&vertices, &found);
+        let off = self.off(&vertices, &found);
+        if off > allowed {
+            return self.split(origin, edge, Some(&found));
+        }
+        self.report.measured_voxels = self.report.measured_voxels.max(off);
         Ok(self.push(&vertices, &found))
     }
 
@@ -196,12 +200,11 @@ impl Grower<'_> {
         Node::Cell(self.cells.len() as u32 - 1)
     }
 
-    /// Interpolation errs the most in a cell's middle where φ⁻¹ bends one way.
-    fn measure(&mut self, vertices: &[Vertex; 8], middle: &Start) {
+    /// By how many voxels interpolation errs in a cell's middle, where it errs the most if φ⁻¹ bends one way.
+    fn off(&self, vertices: &[Vertex; 8], middle: &Start) -> f64 {
         let corners = vertices.iter().filter_map(|v| v.start.as_ref());
         let mean = corners.map(|start| self.frame.place(start)).sum::<DVec3>() / 8.0;
-        let off = mean.distance(self.frame.place(middle)) / self.frame.voxel;
-        self.report.measured_voxels = self.report.measured_voxels.max(off);
+        mean.distance(self.frame.place(middle)) / self.frame.voxel
     }
 
     /// The corners of a cell, each sought once.

@@ -42,7 +42,9 @@ impl Spline {
         let misses = |l: &&Landmark| spline.point(l.from).distance(l.to);
         spline.residual_mm = landmarks.iter().map(misses).fold(0.0, f64::max);
         let solved = smoothness.stiffness > 0.0 || spline.residual_mm <= MISS * largest;
-        (solved && spline.residual_mm.is_finite()).then_some(spline).ok_or_else(unsolvable)
+        (solved && spline.residual_mm.is_finite())
+            .then_some(spline)
+            .ok_or_else(unsolvable)
     }
 }
 

@@ -11,11 +11,11 @@
 
 mod bound;
 mod build;
+pub mod files;
+mod fit;
 mod invert;
 mod landmarks;
 mod morph;
-pub mod files;
-mod fit;
 mod radial;
 mod spline;
 mod table;

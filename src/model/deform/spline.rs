@@ -91,7 +91,8 @@ fn radial_sums<R: Radial>(radial: R, columns: &Columns, x: DVec3) -> [f64; 12] {
     let mut sums = [[0.0; LANES]; 12];
     let [fx, fy, fz] = &columns.from;
     let [wx, wy, wz] = &columns.weight;
-    for ((((((fx, fy), fz), wx), wy), wz), _) in fx.iter().zip(fy).zip(fz).zip(wx).zip(wy).zip(wz).zip(&columns.length) {
+    for ((((((fx, fy), fz), wx), wy), wz), _) in fx.iter().zip(fy).zip(fz).zip(wx).zip(wy).zip(wz).zip(&columns.length)
+    {
         for l in 0..LANES {
             let d = [x.x - fx[l], x.y - fy[l], x.z - fz[l]];
             let w = [wx[l], wy[l], wz[l]];

@@ -377,7 +377,9 @@ impl Table {
             Node::Cell(cell) => {
                 let part = wanted.intersect(&Aabb::new(min, max));
                 let per_edge = 1.0 / edge as f64;
-                let corners = part.corners().map(|q| self.cells[cell as usize].at((q - min) * per_edge));
+                let corners = part
+                    .corners()
+                    .map(|q| self.cells[cell as usize].at((q - min) * per_edge));
                 Region::of(corners)
             }
             Node::Branch(branch) => {
@@ -442,6 +444,8 @@ impl Region {
 
 impl fmt::Debug for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Table").field("report", &self.report).finish_non_exhaustive()
+        f.debug_struct("Table")
+            .field("report", &self.report)
+            .finish_non_exhaustive()
     }
 }

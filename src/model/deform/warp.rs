@@ -140,7 +140,12 @@ pub(super) struct Start {
 impl Frame {
     /// `morph` in a frame of which `voxel` units are a voxel. Cells have corners at voxels, and lie alike in the world in all
     /// lattices that are parts of one: wherever those begin, a voxel comes from the same place.
-    pub fn new(morph: &Arc<Morph>, [node_from_frame, world_from_frame]: [&DAffine3; 2], voxel: f64, error: f64) -> Self {
+    pub fn new(
+        morph: &Arc<Morph>,
+        [node_from_frame, world_from_frame]: [&DAffine3; 2],
+        voxel: f64,
+        error: f64,
+    ) -> Self {
         let origin = world_from_frame.inverse().translation / voxel;
         Self {
             morph: Arc::clone(morph),
@@ -193,7 +198,10 @@ impl Frame {
         if left.is_nan() || left <= 0.0 {
             return f64::INFINITY;
         }
-        let bent: f64 = edges.iter().map(|&u| self.voxels(inverse * local.bend(inverse * u))).sum();
+        let bent: f64 = edges
+            .iter()
+            .map(|&u| self.voxels(inverse * local.bend(inverse * u)))
+            .sum();
         let voxels_per_mm = norm(&self.frame_from_node.matrix3) / self.voxel;
         voxels_per_mm * norm_inverse * norm_inverse / left * half_diagonal * local.kinks + bent / 8.0
     }

@@ -71,7 +71,10 @@ fn point(number: usize, line: &str, columns: &Columns) -> Result<NamedPoint, Wro
         let bad = || Wrong::at(number, format!("{:?} is not a coordinate", value.unwrap_or("")));
         *place = value.and_then(|v| v.parse().ok()).ok_or_else(bad)?;
     }
-    let label = columns.label.and_then(|column| values.get(column)).filter(|label| !label.is_empty());
+    let label = columns
+        .label
+        .and_then(|column| values.get(column))
+        .filter(|label| !label.is_empty());
     Ok(NamedPoint {
         name: label.cloned().unwrap_or_else(|| format!("of line {number}")),
         place: DVec3::from(place),

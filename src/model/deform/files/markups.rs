@@ -43,14 +43,22 @@ pub(super) fn read(text: &str) -> Result<Vec<NamedPoint>, Wrong> {
     let ras = match markup.coordinate_system.as_deref() {
         None | Some("LPS") => false,
         Some("RAS") => true,
-        Some(other) => return Err(Wrong::whole(format!("coordinate system {other:?}; RAS and LPS are known"))),
+        Some(other) => {
+            return Err(Wrong::whole(format!(
+                "coordinate system {other:?}; RAS and LPS are known"
+            )));
+        }
     };
     let unit_mm = match markup.coordinate_units.as_deref() {
         None | Some("mm") => 1.0,
         Some("um") => 1e-3,
         Some("cm") => 10.0,
         Some("m") => 1e3,
-        Some(other) => return Err(Wrong::whole(format!("coordinate unit {other:?}; um, mm, cm and m are known"))),
+        Some(other) => {
+            return Err(Wrong::whole(format!(
+                "coordinate unit {other:?}; um, mm, cm and m are known"
+            )));
+        }
     };
     let placed = |p: &&ControlPoint| p.position_status.as_deref().is_none_or(|status| status == "defined");
     let points = markup.control_points.iter().filter(placed).enumerate();
@@ -80,8 +88,7 @@ pub(super) fn written(points: &[NamedPoint]) -> String {
         })
     };
     let points: Vec<_> = points.iter().enumerate().map(point).collect();
-    let schema =
-        "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
+    let schema = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
     let list = json!({
         "type": "Fiducial",
         "coordinateSystem": "LPS",

@@ -152,7 +152,8 @@ pub fn paired(before: &[NamedPoint], after: &[NamedPoint]) -> Result<Vec<Landmar
     }
     let named: HashMap<&str, &NamedPoint> = after.iter().map(|p| (p.name.as_str(), p)).collect();
     let names: HashSet<&str> = before.iter().map(|p| p.name.as_str()).collect();
-    let by_name = named.len() == after.len() && names.len() == before.len() && names.iter().all(|n| named.contains_key(n));
+    let by_name =
+        named.len() == after.len() && names.len() == before.len() && names.iter().all(|n| named.contains_key(n));
     let pair = |(p, q): (&NamedPoint, &NamedPoint)| Landmark {
         name: p.name.clone(),
         from: p.place,

@@ -28,7 +28,12 @@ fn landmark(number: usize, line: &str) -> Result<Option<Landmark>, Wrong> {
         0 => return Ok(None),
         6 => (format!("of line {number}"), &words[..]),
         7 => (words[0].to_owned(), &words[1..]),
-        _ => return Err(Wrong::at(number, "a landmark is six numbers, with a name before them or not")),
+        _ => {
+            return Err(Wrong::at(
+                number,
+                "a landmark is six numbers, with a name before them or not",
+            ));
+        }
     };
     let mut place = [0.0; 6];
     for (place, word) in place.iter_mut().zip(numbers) {
@@ -50,10 +55,17 @@ fn landmark(number: usize, line: &str) -> Result<Option<Landmark>, Wrong> {
 pub fn write_pairs(path: &Path, landmarks: &[Landmark]) -> Result<(), LandmarkFileError> {
     let mut text = String::from("# name, from x y z, to x y z: LPS, millimetres\n");
     for Landmark { name, from, to } in landmarks {
-        let name: String = name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+        let name: String = name
+            .chars()
+            .map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' })
+            .collect();
         let name = if name.is_empty() { "_" } else { &name };
         // Rust's shortest form of a number reads back as the same.
-        let _ = writeln!(text, "{name} {} {} {} {} {} {}", from.x, from.y, from.z, to.x, to.y, to.z);
+        let _ = writeln!(
+            text,
+            "{name} {} {} {} {} {} {}",
+            from.x, from.y, from.z, to.x, to.y, to.z
+        );
     }
     write_text(path, &text)
 }
