@@ -155,11 +155,30 @@ fn compare_one(volume: &str, peers: Peers, repetitions: usize) -> Outcome<Compar
     } else {
         format!("{volume}, swapped")
     };
-    let bars = [
+    Ok(Comparison {
+        threads,
+        // The other map is a figure and no bar.
+        bars: match peers {
+            Peers::Same => bars(&name, about.landmarks, &faster, &held).to_vec(),
+            Peers::Swapped => Vec::new(),
+        },
+        what: name,
+        ours,
+        theirs,
+        faster,
+        cells: held.cells,
+        measured_voxels: held.measured_voxels,
+        worst_voxels: held.worst_voxels,
+        apart: held.apart,
+    })
+}
+
+fn bars(name: &str, landmarks: u32, faster: &Ratios, held: &Held) -> [Bar; 2] {
+    [
         Bar {
             what: format!(
                 "times as fast as vtkImageReslice with a spline of {}: {name}",
-                about.landmarks
+                landmarks
             ),
             value: faster.median,
             limit: Limit::AtLeast(BAR),
@@ -169,24 +188,7 @@ fn compare_one(volume: &str, peers: Peers, repetitions: usize) -> Outcome<Compar
             value: held.worst_voxels,
             limit: Limit::AtMost(ERROR_VOXELS),
         },
-    ];
-    Ok(Comparison {
-        what: name,
-        threads,
-        // The other map is a figure and no bar.
-        bars: if peers == Peers::Same {
-            bars.to_vec()
-        } else {
-            Vec::new()
-        },
-        ours,
-        theirs,
-        faster,
-        cells: held.cells,
-        measured_voxels: held.measured_voxels,
-        worst_voxels: held.worst_voxels,
-        apart: held.apart,
-    })
+    ]
 }
 
 fn target(model: &Model) -> Outcome<Target> {

@@ -5,9 +5,11 @@ mod combine;
 pub mod deform;
 mod node;
 mod prune;
+mod spaces;
 mod tree;
 
 pub use combine::Operator;
 pub use node::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueMap, ValueRule, VolumeLeaf};
 pub use prune::{Boundary, Pruned};
-pub use tree::{FramePlane, Leaf, Source, Space, Step, Tree, TreeError};
+pub use spaces::Space;
+pub use tree::{FramePlane, Leaf, Source, Step, Tree, TreeError};

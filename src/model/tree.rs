@@ -10,7 +10,8 @@
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
-use super::deform::{Frame, Morph, Region, Table, Warp, WarpError, WarpReport};
+use super::deform::{Warp, WarpError};
+use super::spaces::Space;
 use super::{Combine, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::Sample;
@@ -40,9 +41,6 @@ pub enum Source {
     Primitive(Box<Placed>),
 }
 
-/// Where a leaf or a cut stands: in the tree's frame, or in that frame as it is below a deformation, by its number.
-pub type Space = Option<u32>;
-
 /// A leaf and where it is.
 #[derive(Clone, Debug)]
 pub struct Leaf {
@@ -68,11 +66,11 @@ pub struct FramePlane {
 }
 
 /// Where and how finely a model is sampled.
-struct Sampling {
-    world_from_frame: DAffine3,
-    voxel_mm: f64,
+pub(super) struct Sampling {
+    pub world_from_frame: DAffine3,
+    pub voxel_mm: f64,
     /// How filters change to those of the next level, if they do.
-    grade: Option<Grade>,
+    pub grade: Option<Grade>,
 }
 
 /// A model flattened in one frame.
@@ -83,7 +81,7 @@ pub struct Tree {
     maps: Vec<ValueMap>,
     cuts: Vec<(Space, FramePlane)>,
     operators: Vec<Operator>,
-    warps: Vec<Warp>,
+    pub(super) warps: Vec<Warp>,
 }
 
 /// Why a model cannot be flattened.
@@ -249,26 +247,6 @@ impl Tree {
         Ok(tree)
     }
 
-    /// The space that the children of a node stand in.
-    fn enter(&mut self, node: &Node, visit: &Visit, sampling: &Sampling) -> Result<Space, TreeError> {
-        let Node::Deform {
-            morph, error_voxels, ..
-        } = node
-        else {
-            return Ok(visit.space);
-        };
-        let frames = [&visit.node_from_frame, &sampling.world_from_frame];
-        let frame = Frame::new(morph, frames, sampling.voxel(), *error_voxels);
-        let warp = Warp::new(visit.space, self.nesting(visit.space) + 1, frame)?;
-        self.warps.push(warp);
-        Ok(Some(self.warps.len() as u32 - 1))
-    }
-
-    /// How many deformations hold a space.
-    fn nesting(&self, space: Space) -> usize {
-        space.map_or(0, |warp| self.warps[warp as usize].nesting)
-    }
-
     fn write(&mut self, node: &Node, visit: &Visit, sampling: &Sampling) -> Result<(), TreeError> {
         let node_from_frame = &visit.node_from_frame;
         match node {
@@ -284,12 +262,7 @@ impl Tree {
             }
             Node::Primitive(primitive) => self.write_primitive(primitive, visit, sampling),
             Node::Transform { .. } => {}
-            Node::Deform { .. } => {
-                let warp = visit.inside.expect("a deformation is a space");
-                let steps = &self.steps[operand_start(&self.steps)..];
-                let source = self.bounds_of(steps, visit.inside, &DAffine3::IDENTITY);
-                self.warps[warp as usize].place(source)?;
-            }
+            Node::Deform { .. } => self.place_warp(visit.inside)?,
             Node::Transfer { map, .. } => {
                 self.steps.push(Step::Map(self.maps.len() as u32));
                 self.maps.push(map.clone());
@@ -384,74 +357,6 @@ impl Tree {
         !self.maps.is_empty()
     }
 
-    /// How many deformations there are.
-    pub fn warp_count(&self) -> usize {
-        self.warps.len()
-    }
-
-    /// The deformations, and what their tables came to.
-    pub fn deformations(&self) -> impl Iterator<Item = (&Morph, &WarpReport)> {
-        self.warps.iter().map(|warp| (&*warp.frame.morph, warp.table.report()))
-    }
-
-    /// φ⁻¹ of deformation `index`.
-    pub fn table(&self, index: u32) -> &Table {
-        &self.warp(index).table
-    }
-
-    /// The space that deformation `index` stands in.
-    pub fn space_around(&self, index: u32) -> Space {
-        self.warp(index).outer
-    }
-
-    fn warp(&self, index: u32) -> &Warp {
-        &self.warps[index as usize]
-    }
-
-    /// Of the deformations that lead from `space` to `below`, the first; `None` if there is none.
-    pub(super) fn outermost_below(&self, space: Space, below: Space) -> Option<&Warp> {
-        let mut at = below;
-        while at != space {
-            let warp = self.warp(at?);
-            if warp.outer == space {
-                return Some(warp);
-            }
-            at = warp.outer;
-        }
-        None
-    }
-
-    /// The frame's point `p` in `space`; NaN where nothing is deformed to. As deep as deformations nest.
-    pub fn in_space(&self, space: Space, p: DVec3) -> DVec3 {
-        match space {
-            None => p,
-            Some(index) => {
-                let warp = self.warp(index);
-                warp.table.point(self.in_space(warp.outer, p))
-            }
-        }
-    }
-
-    /// Where the points of `block`, a box of the frame, are in `space`.
-    pub fn region_in(&self, space: Space, block: &Aabb) -> Region {
-        let Some(index) = space else {
-            return Region {
-                hull: *block,
-                beyond: false,
-            };
-        };
-        let warp = self.warp(index);
-        let outer = self.region_in(warp.outer, block);
-        if outer.hull.is_empty() {
-            return Region::NOWHERE;
-        }
-        let region = warp.table.region(&outer.hull);
-        Region {
-            beyond: region.beyond || outer.beyond,
-            ..region
-        }
-    }
-
     /// The model at point `p` of the frame: the truth.
     pub fn sample(&self, p: DVec3) -> Sample {
         let mut stack = Vec::new();
@@ -526,41 +431,14 @@ fn is_singular(node: &Node) -> bool {
     }
 }
 
-/// Where the operand begins that stands last in `steps`.
-fn operand_start(steps: &[Step]) -> usize {
-    let mut wanted = 1;
-    let mut start = steps.len();
-    while wanted > 0 && start > 0 {
-        start -= 1;
-        match steps[start] {
-            Step::Leaf(_) | Step::LeafInside(_) => wanted -= 1,
-            Step::Combine(_) => wanted += 1,
-            Step::Map(_) | Step::Cut(_) => {}
-        }
-    }
-    start
-}
-
 /// A node on the way to being flattened.
-struct Visit {
+pub(super) struct Visit {
     id: NodeId,
-    node_from_frame: DAffine3,
-    space: Space,
+    pub node_from_frame: DAffine3,
+    pub space: Space,
     /// The space of its children, once they are done.
     inside: Space,
     children_done: bool,
-}
-
-impl Sampling {
-    /// A voxel in the frame's units, as far as deformations go: 1 on a lattice. Where there is none, a millimetre.
-    fn voxel(&self) -> f64 {
-        let voxel = self.voxel_mm / affine::spacing(&self.world_from_frame).max_element();
-        match voxel > 0.0 {
-            true if (voxel - 1.0).abs() < 1e-9 => 1.0,
-            true => voxel,
-            false => 1.0,
-        }
-    }
 }
 
 impl Visit {

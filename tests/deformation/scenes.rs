@@ -46,14 +46,17 @@ fn landmarks_come_from_a_table_two_lists_or_children() {
     }
 }
 
+/// Holds what a node in a scene is answered with.
+fn told(folder: &tempfile::TempDir, node: &str, column: usize, needle: &str) {
+    let error = parse(&format!("scene {{\n    {node}\n}}"), folder.path()).expect_err(needle);
+    assert_eq!(error.place(), Some((2, column)), "{error}");
+    assert!(error.to_string().contains(needle), "{error}");
+}
+
 #[test]
 fn what_cannot_be_deformed_is_said_with_its_place() {
     let folder = folder();
-    let told = |node: &str, column: usize, needle: &str| {
-        let error = parse(&format!("scene {{\n    {node}\n}}"), folder.path()).expect_err(needle);
-        assert_eq!(error.place(), Some((2, column)), "{error}");
-        assert!(error.to_string().contains(needle), "{error}");
-    };
+    let told = |node: &str, column: usize, needle: &str| told(&folder, node, column, needle);
     told(
         "deform { sphere radius=5 }",
         5,
@@ -96,6 +99,12 @@ fn what_cannot_be_deformed_is_said_with_its_place() {
         5,
         "1 landmarks are too few",
     );
+}
+
+#[test]
+fn a_fold_and_a_pair_without_an_end_are_said_with_their_places() {
+    let folder = folder();
+    let told = |node: &str, column: usize, needle: &str| told(&folder, node, column, needle);
     let far = "pair name=\"far\" from=\"1 0 0\" to=\"-9 0 0\"; pair from=\"-1 0 0\" to=\"9 0 0\"; pair from=\"0 9 0\" to=\"0 9 0\"";
     told(
         &format!("deform {{ {far}; sphere radius=5 }}"),
