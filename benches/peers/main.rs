@@ -2,6 +2,7 @@
 //! `cargo bench --bench peers [-- --quick] [--strict]`; `make bench` sets up first.
 
 mod bar;
+mod deformation;
 mod drawing;
 mod editing;
 mod frames;
@@ -54,6 +55,9 @@ struct Arguments {
     /// Measure resampling only, and write no report.
     #[arg(long)]
     resampling: bool,
+    /// Measure deformation only, and write no report.
+    #[arg(long)]
+    deformation: bool,
     /// Measure primitives only, and write no report.
     #[arg(long)]
     primitives: bool,
@@ -81,6 +85,7 @@ struct Report {
     frames: Vec<frames::Comparison>,
     rates: rates::Rates,
     resampling: Vec<resampling::Comparison>,
+    deformation: Vec<deformation::Comparison>,
     memory: Vec<memory::Measured>,
     surfaces: Vec<surfaces::Comparison>,
     primitives: Vec<primitives::Comparison>,
@@ -127,6 +132,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
     if arguments.resampling {
         return resampling::compare(arguments.repetitions().runs).map(|_| 0);
     }
+    if arguments.deformation {
+        return deformation::compare(arguments.repetitions().runs).map(|_| 0);
+    }
     let report = Report::measure(arguments.repetitions())?;
     write_whole(Path::new(REPORT), |out| {
         serde_json::to_writer_pretty(&mut *out, &report)?;
@@ -159,6 +167,7 @@ impl Report {
             frames: frames::compare(&device, "", repetitions)?,
             rates: rates::measure(&device, repetitions.runs)?,
             resampling: resampling::compare(repetitions.runs)?,
+            deformation: deformation::compare(repetitions.runs)?,
             memory: memory::measure()?,
             surfaces: surfaces::compare("", repetitions.runs)?,
             primitives: primitives::compare(repetitions.runs)?,
@@ -170,6 +179,7 @@ impl Report {
         let frames = self.frames.iter().map(|c| &c.bar);
         let rates = self.rates.rates.iter().filter_map(|r| r.bar.as_ref());
         let resampling = self.resampling.iter().map(|c| &c.bar);
+        let deformation = self.deformation.iter().flat_map(|c| &c.bars);
         let memory = self.memory.iter().map(|m| &m.bar);
         let surfaces = self.surfaces.iter().flat_map(|c| &c.bars);
         let primitives = self.primitives.iter().flat_map(|c| &c.bars);
@@ -177,6 +187,7 @@ impl Report {
         frames
             .chain(rates)
             .chain(resampling)
+            .chain(deformation)
             .chain(memory)
             .chain(surfaces)
             .chain(primitives)

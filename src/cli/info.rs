@@ -10,6 +10,7 @@ use super::console::{print, print_json};
 use super::job::model_bounds;
 use super::source::SourceArgs;
 use crate::model::Node;
+use crate::model::deform::{Morph, WarpReport};
 use crate::scene::Scene;
 use crate::target::Target;
 use crate::volume::io::{self, VolumeInfo};
@@ -88,7 +89,7 @@ fn summary(scene: &Scene, target: &Target) -> serde_json::Value {
         .iter()
         .filter(|n| matches!(n, Node::Volume(_)))
         .count();
-    json!({
+    let mut summary = json!({
         "nodes": scene.model.nodes().len(),
         "volume_nodes": volumes,
         "bounds_mm": [bounds.min.to_array(), bounds.max.to_array()],
@@ -97,6 +98,23 @@ fn summary(scene: &Scene, target: &Target) -> serde_json::Value {
         "blocks": target.blocks.len(),
         "paths": target.paths.len(),
         "value_range": [target.value_range.lo, target.value_range.hi],
+    });
+    let deformations: Vec<_> = target.tree.deformations().map(deformation).collect();
+    if !deformations.is_empty() {
+        summary["deformations"] = deformations.into();
+    }
+    summary
+}
+
+fn deformation((morph, report): (&Morph, &WarpReport)) -> serde_json::Value {
+    let spline = morph.spline();
+    json!({
+        "landmarks": spline.landmarks(),
+        "dimensions_spanned": spline.rank(),
+        "largest_residual_mm": spline.residual_mm(),
+        "smallest_det_j": morph.smallest_stretch(),
+        "cells": report.cells,
+        "measured_error_voxels": report.measured_voxels,
     })
 }
 

@@ -4,11 +4,12 @@
 //! unite and intersect their children's, a subtraction keeps its first child's.
 //! *Changes from the paper.* A transform node's box is stated in its parent's frame, as the axis-aligned box of its child's
 //! moved corners; the paper keeps the child's and moves the tested block instead, which is what [`Tree`](super::Tree) does
-//! for leaves, where it decides. A subtraction that keeps the first operand's extent is bounded in the same way.
+//! for leaves, where it decides. A subtraction that keeps the first operand's extent is bounded in the same way. A deformed
+//! box is not estimated from the images of samples of its faces: each is a patch, whose image is bounded.
 
 use glam::DAffine3;
 
-use super::{BooleanOp, FramePlane, Leaf, Model, Node, Source, Step, Tree};
+use super::{BooleanOp, FramePlane, Leaf, Model, Node, NodeId, Source, Space, Step, Tree};
 use crate::math::Aabb;
 use crate::voxelize::{Placed, Solid};
 
@@ -22,6 +23,14 @@ impl Model {
         }
         boxes
     }
+
+    /// The box of node `id` in the frame of its parent, as [`Self::bounds`] has it.
+    ///
+    /// # Panics
+    /// If the node is not in the model.
+    pub fn bounds_of(&self, id: NodeId) -> Aabb {
+        self.rooted_at(id).bounds().pop().unwrap_or(Aabb::EMPTY)
+    }
 }
 
 fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
@@ -33,6 +42,7 @@ fn node_bounds(node: &Node, boxes: &[Aabb]) -> Aabb {
             child,
             parent_from_child,
         } => boxes[child.index()].transformed(parent_from_child),
+        Node::Deform { child, morph, .. } => morph.image_bounds(&boxes[child.index()]),
         Node::Transfer { child, .. } | Node::Classify { child, .. } => boxes[child.index()],
         Node::Cut { child, plane } => clip(&boxes[child.index()], &FramePlane::from(plane)),
         Node::Combine(c) => combined(c.op, &boxes[c.first.index()], &boxes[c.second.index()]),
@@ -51,14 +61,21 @@ impl Tree {
     /// The box of the whole tree in another frame: each leaf's own box is moved there at once, so it is never larger than
     /// [`Model::bounds`] makes it of boxes of boxes.
     pub fn bounds_in(&self, tree_from_frame: &DAffine3) -> Aabb {
+        self.bounds_of(self.steps(), None, tree_from_frame)
+    }
+
+    /// The box of what `steps` give in `space`, in a frame from which `space_from_frame` leads there.
+    pub(super) fn bounds_of(&self, steps: &[Step], space: Space, space_from_frame: &DAffine3) -> Aabb {
         let mut stack: Vec<Aabb> = Vec::new();
-        for &step in self.steps() {
+        for &step in steps {
             match step {
-                Step::Leaf(i) | Step::LeafInside(i) => stack.push(self.leaf(i).bounds_in(tree_from_frame)),
+                Step::Leaf(i) | Step::LeafInside(i) => stack.push(self.leaf_bounds(i, space, space_from_frame)),
                 Step::Map(_) | Step::Classify(_) => {}
+                // What a deformation holds is bounded as a whole.
+                Step::Cut(i) if self.cut_space(i) != space => {}
                 Step::Cut(i) => {
                     let top = stack.pop().unwrap_or(Aabb::EMPTY);
-                    stack.push(clip(&top, &self.cut(i).moved(tree_from_frame)));
+                    stack.push(clip(&top, &self.cut(i).moved(space_from_frame)));
                 }
                 Step::Combine(i) | Step::Blend(i) => {
                     let second = stack.pop().unwrap_or(Aabb::EMPTY);
@@ -68,6 +85,14 @@ impl Tree {
             }
         }
         stack.pop().unwrap_or(Aabb::EMPTY)
+    }
+
+    fn leaf_bounds(&self, index: u32, space: Space, space_from_frame: &DAffine3) -> Aabb {
+        let leaf = self.leaf(index);
+        match self.outermost_below(space, leaf.space) {
+            None => leaf.bounds_in(space_from_frame),
+            Some(warp) => warp.domain.transformed(&space_from_frame.inverse()),
+        }
     }
 }
 

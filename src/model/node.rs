@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
+use super::deform::Morph;
 use super::{Lut, MaskLeaf, TransferFunction};
 use crate::math::{Interval, Plane};
 use crate::volume::Bricks;
@@ -177,6 +178,15 @@ pub enum Node {
         /// Where it goes.
         parent_from_child: DAffine3,
     },
+    /// The child deformed (VCSG §2.2, *deformation*).
+    Deform {
+        /// What is deformed.
+        child: NodeId,
+        /// How.
+        morph: Arc<Morph>,
+        /// What samples may be displaced by where the morph is interpolated, in voxels of the target.
+        error_voxels: f64,
+    },
     /// The child with its values mapped.
     Transfer {
         /// Whose values.
@@ -208,6 +218,7 @@ impl Node {
         let (first, second) = match self {
             Self::Volume(_) | Self::Mask(_) | Self::Primitive(_) => (None, None),
             Self::Transform { child, .. }
+            | Self::Deform { child, .. }
             | Self::Transfer { child, .. }
             | Self::Classify { child, .. }
             | Self::Cut { child, .. } => (Some(*child), None),
@@ -222,6 +233,7 @@ impl Node {
         match &mut node {
             Self::Volume(_) | Self::Mask(_) | Self::Primitive(_) => {}
             Self::Transform { child, .. }
+            | Self::Deform { child, .. }
             | Self::Transfer { child, .. }
             | Self::Classify { child, .. }
             | Self::Cut { child, .. } => *child = new(*child),

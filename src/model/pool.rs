@@ -5,8 +5,9 @@
 //! reach samples: 0 and −0 are equal, but not the same.
 
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
+use super::spaces::Space;
 use super::tree::{FramePlane, Leaf, Source};
 use super::{Classifier, MaskLeaf, Operator, ValueMap, ValueRule, VolumeLeaf};
 
@@ -75,6 +76,7 @@ fn write_f32(key: &mut DefaultHasher, numbers: &[f32]) {
 
 impl Keyed for Leaf {
     fn write_key(&self, key: &mut DefaultHasher) {
+        self.space.hash(key);
         write_f64(key, &self.local_from_frame.to_cols_array());
         write_f64(key, &self.local_bounds.min.to_array());
         write_f64(key, &self.local_bounds.max.to_array());
@@ -96,10 +98,12 @@ impl Keyed for ValueMap {
     }
 }
 
-impl Keyed for FramePlane {
+impl Keyed for (Space, FramePlane) {
     fn write_key(&self, key: &mut DefaultHasher) {
-        write_f64(key, &self.normal.to_array());
-        write_f64(key, &[self.offset]);
+        let (space, plane) = self;
+        space.hash(key);
+        write_f64(key, &plane.normal.to_array());
+        write_f64(key, &[plane.offset]);
     }
 }
 

@@ -10,8 +10,9 @@
 
 use glam::DVec3;
 
+use super::deform::Region;
 use super::tree::Leaf;
-use super::{BooleanOp, Operator, Source, Step, Tree, ValueRule};
+use super::{BooleanOp, Operator, Source, Space, Step, Tree, ValueRule};
 use crate::math::{Aabb, Interval, Overlap, affine};
 use crate::volume::SampleRange;
 
@@ -44,6 +45,7 @@ impl Tree {
             tree: self,
             block,
             decider,
+            regions: vec![None; self.warp_count()],
             steps: Vec::with_capacity(path.len()),
             operands: Vec::new(),
         };
@@ -75,6 +77,8 @@ struct Pruner<'a> {
     tree: &'a Tree,
     block: &'a Aabb,
     decider: Option<DVec3>,
+    /// Where the block is below each deformation, as far as it was asked.
+    regions: Vec<Option<Region>>,
     steps: Vec<Step>,
     operands: Vec<Operand>,
 }
@@ -82,7 +86,10 @@ struct Pruner<'a> {
 impl Pruner<'_> {
     fn visit(&mut self, step: Step) {
         match step {
-            Step::Leaf(i) => self.leaf(i, self.leaf_overlap(i)),
+            Step::Leaf(i) => {
+                let overlap = self.leaf_overlap(i);
+                self.leaf(i, overlap);
+            }
             Step::LeafInside(i) => self.leaf(i, Overlap::Inside),
             Step::Map(i) => self.map(i),
             Step::Cut(i) => self.cut(i),
@@ -119,6 +126,19 @@ impl Pruner<'_> {
         }
     }
 
+    /// Where the block is in `space`.
+    fn region(&mut self, space: Space) -> Region {
+        let find = || self.tree.region_in(space, self.block);
+        match space {
+            None => find(),
+            Some(warp) => {
+                let region = self.regions[warp as usize].unwrap_or_else(find);
+                self.regions[warp as usize] = Some(region);
+                region
+            }
+        }
+    }
+
     fn leaf(&mut self, index: u32, overlap: Overlap) {
         let step = match overlap {
             Overlap::Inside => Step::LeafInside(index),
@@ -126,7 +146,8 @@ impl Pruner<'_> {
             Overlap::Outside => return self.push(SampleRange::EMPTY, Step::Leaf(index)),
         };
         let leaf = self.tree.leaf(index);
-        let mut range = leaf.range(&self.block.transformed(&leaf.local_from_frame));
+        let block = self.region(leaf.space).hull;
+        let mut range = leaf.range(&block.transformed(&leaf.local_from_frame));
         match (overlap, &leaf.source) {
             (Overlap::Partial, _) => range.coverage.lo = 0.0,
             (_, Source::Primitive(_)) => range.coverage = Interval::point(1.0),
@@ -135,10 +156,15 @@ impl Pruner<'_> {
         self.push(range, step);
     }
 
-    fn leaf_overlap(&self, index: u32) -> Overlap {
+    fn leaf_overlap(&mut self, index: u32) -> Overlap {
         let leaf = self.tree.leaf(index);
-        match (leaf.overlap(self.block), self.decider) {
-            (Overlap::Partial, Some(point)) => leaf.side_of(point),
+        let region = self.region(leaf.space);
+        let overlap = match leaf.overlap(&region.hull) {
+            Overlap::Inside if region.beyond => Overlap::Partial,
+            overlap => overlap,
+        };
+        match (overlap, self.decider) {
+            (Overlap::Partial, Some(point)) => leaf.side_of(self.tree.in_space(leaf.space, point)),
             (overlap, _) => overlap,
         }
     }
@@ -176,11 +202,16 @@ impl Pruner<'_> {
         }
     }
 
-    fn cut_overlap(&self, index: u32) -> Overlap {
-        let cut = self.tree.cut(index);
-        let distances = self.block.corners().map(|c| cut.distance(c));
+    fn cut_overlap(&mut self, index: u32) -> Overlap {
+        let (cut, space) = (self.tree.cut(index), self.tree.cut_space(index));
+        let region = self.region(space);
+        if region.hull.is_empty() {
+            return Overlap::Outside;
+        }
+        let distances = region.hull.corners().map(|c| cut.distance(c));
+        let is_kept = |point| cut.distance(self.tree.in_space(space, point)) <= 0.0;
         match (side(&distances), self.decider) {
-            (Overlap::Partial, Some(point)) if cut.distance(point) <= 0.0 => Overlap::Inside,
+            (Overlap::Partial, Some(point)) if is_kept(point) => Overlap::Inside,
             (Overlap::Partial, Some(_)) => Overlap::Outside,
             (overlap, _) => overlap,
         }

@@ -12,11 +12,13 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::bounds::placed_bounds;
+use super::deform::{Warp, WarpError};
 use super::pool::Pool;
+use super::spaces::Space;
 use super::{Classifier, ColorSample, Combine, Kind, MaskLeaf, Model, Node, NodeId, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::{Bricks, Sample};
-use crate::voxelize::{Grade, Placed};
+use crate::voxelize::{Grade, Placed, Primitive};
 
 /// One step of a flattened tree: pushes a sample, or replaces those on top of the stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,11 +55,13 @@ pub enum Source {
 pub struct Leaf {
     /// What it is.
     pub source: Source,
-    /// From the tree's frame to the leaf's own.
+    /// The deformation that the leaf stands in.
+    pub space: Space,
+    /// From the tree's frame, as it is in the leaf's space, to the leaf's own.
     pub local_from_frame: DAffine3,
     /// Its box in its own frame.
     pub local_bounds: Aabb,
-    /// A box of the tree's frame that holds the leaf.
+    /// A box of the tree's frame, as it is in the leaf's space, that holds the leaf.
     pub frame_bounds: Aabb,
 }
 
@@ -71,12 +75,12 @@ pub struct FramePlane {
 }
 
 /// Where and how finely a model is sampled.
-struct Sampling<'a> {
-    model: &'a Model,
-    world_from_frame: DAffine3,
-    voxel_mm: f64,
+pub(super) struct Sampling<'a> {
+    pub model: &'a Model,
+    pub world_from_frame: DAffine3,
+    pub voxel_mm: f64,
     /// How filters change to those of the next level, if they do.
-    grade: Option<Grade>,
+    pub grade: Option<Grade>,
 }
 
 /// A model flattened in one frame. Parts that are the same are one part: steps with one index.
@@ -85,10 +89,11 @@ pub struct Tree {
     steps: Vec<Step>,
     leaves: Pool<Leaf>,
     maps: Pool<ValueMap>,
-    cuts: Pool<FramePlane>,
+    cuts: Pool<(Space, FramePlane)>,
     operators: Pool<Operator>,
     pub(super) classifiers: Pool<Classifier>,
     pub(super) color_unit_mm: Option<f64>,
+    pub(super) warps: Vec<Warp>,
 }
 
 /// Why a model cannot be flattened.
@@ -109,6 +114,9 @@ pub enum TreeError {
     /// A transform that flattens space.
     #[error("a transform cannot be undone: its matrix is singular or not finite; scale by numbers other than 0")]
     Singular,
+    /// A deformation that cannot be tabulated.
+    #[error(transparent)]
+    Warp(#[from] WarpError),
 }
 
 impl From<&Plane> for FramePlane {
@@ -137,13 +145,14 @@ impl FramePlane {
 }
 
 impl Leaf {
-    fn new(source: Source, local_from_frame: DAffine3, local_bounds: Aabb) -> Self {
+    fn new(source: Source, space: Space, local_from_frame: DAffine3, local_bounds: Aabb) -> Self {
         let local_from_frame = affine::snapped(&local_from_frame);
         let hull = local_bounds.transformed(&local_from_frame.inverse());
         // Far more than the rounding of a mapped point, far less than a voxel.
         let slack = 1e-9 * (1.0 + hull.min.abs().max(hull.max.abs()).max_element());
         Self {
             source,
+            space,
             local_from_frame,
             local_bounds,
             frame_bounds: hull.expand(DVec3::splat(slack)),
@@ -203,8 +212,25 @@ impl Tree {
     /// change to those of the next level as `grade` says.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// As [`Self::new`], and if a deformation cannot be tabulated.
     pub fn graded(
+        model: &Model,
+        world_from_frame: &DAffine3,
+        voxel_mm: f64,
+        grade: Option<Grade>,
+    ) -> Result<Self, TreeError> {
+        let mut tree = Self::outline(model, world_from_frame, voxel_mm, grade)?;
+        for warp in &mut tree.warps {
+            warp.tabulate()?;
+        }
+        Ok(tree)
+    }
+
+    /// [`Self::graded`] for boxes alone: what is deformed has its box, and no samples.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn outline(
         model: &Model,
         world_from_frame: &DAffine3,
         voxel_mm: f64,
@@ -234,42 +260,33 @@ impl Tree {
         // A node waits on the stack twice: to have its children visited, then to be written behind them.
         let mut pending: Vec<Visit> = model
             .root()
-            .map(|id| Visit::enter(id, *world_from_frame))
+            .map(|id| Visit::enter(id, *world_from_frame, None))
             .into_iter()
             .collect();
         while let Some(visit) = pending.pop() {
             if visit.children_done {
-                tree.write(model.node(visit.id), &visit.node_from_frame, &sampling);
+                tree.write(model.node(visit.id), &visit, &sampling)?;
             } else {
-                visit.expand(model, &mut pending);
+                let inside = tree.enter(model.node(visit.id), &visit, &sampling)?;
+                visit.expand(model, inside, &mut pending);
             }
         }
         Ok(tree)
     }
 
-    fn write(&mut self, node: &Node, node_from_frame: &DAffine3, sampling: &Sampling<'_>) {
+    fn write(&mut self, node: &Node, visit: &Visit, sampling: &Sampling<'_>) -> Result<(), TreeError> {
+        let node_from_frame = &visit.node_from_frame;
         match node {
-            Node::Volume(leaf) => self.push_voxels(Source::Volume(leaf.clone()), &leaf.bricks, node_from_frame),
-            Node::Mask(leaf) => self.push_voxels(Source::Mask(leaf.clone()), &leaf.bricks, node_from_frame),
-            Node::Primitive(primitive) => {
-                let world_from_node = sampling.world_from_frame * node_from_frame.inverse();
-                let mut placed = primitive.placed(&world_from_node, sampling.voxel_mm);
-                if let Some(grade) = &sampling.grade {
-                    placed = placed.graded(grade);
-                }
-                let local_from_frame = placed.local_from_world * sampling.world_from_frame;
-                let bounds = placed_bounds(&placed);
-                self.push_leaf(Leaf::new(Source::Primitive(Box::new(placed)), local_from_frame, bounds));
-            }
+            Node::Volume(leaf) => self.push_voxels(Source::Volume(leaf.clone()), &leaf.bricks, visit),
+            Node::Mask(leaf) => self.push_voxels(Source::Mask(leaf.clone()), &leaf.bricks, visit),
+            Node::Primitive(primitive) => self.write_primitive(primitive, visit, sampling),
             Node::Transform { .. } => {}
+            Node::Deform { .. } => self.place_warp(visit.inside)?,
             Node::Transfer { map, .. } => {
                 let index = self.maps.add(map.clone());
                 self.steps.push(Step::Map(index));
             }
-            Node::Cut { plane, .. } => {
-                let index = self.cuts.add(FramePlane::from(plane).moved(node_from_frame));
-                self.steps.push(Step::Cut(index));
-            }
+            Node::Cut { plane, .. } => self.push_cut(visit.space, FramePlane::from(plane).moved(node_from_frame)),
             Node::Classify { transfer, .. } => {
                 let unit_mm = self.color_unit_mm.unwrap_or(transfer.unit_mm());
                 let index = self.classifiers.add(Classifier::new(Arc::clone(transfer), unit_mm));
@@ -293,12 +310,30 @@ impl Tree {
                 });
             }
         }
+        Ok(())
+    }
+
+    fn write_primitive(&mut self, primitive: &Primitive, visit: &Visit, sampling: &Sampling<'_>) {
+        let world_from_node = sampling.world_from_frame * visit.node_from_frame.inverse();
+        let mut placed = primitive.placed(&world_from_node, sampling.voxel_mm);
+        if let Some(grade) = &sampling.grade {
+            placed = placed.graded(grade);
+        }
+        let local_from_frame = placed.local_from_world * sampling.world_from_frame;
+        let bounds = placed_bounds(&placed);
+        let source = Source::Primitive(Box::new(placed));
+        self.push_leaf(Leaf::new(source, visit.space, local_from_frame, bounds));
+    }
+
+    fn push_cut(&mut self, space: Space, plane: FramePlane) {
+        let index = self.cuts.add((space, plane));
+        self.steps.push(Step::Cut(index));
     }
 
     /// A leaf in the index space of its voxels.
-    fn push_voxels(&mut self, source: Source, bricks: &Bricks, node_from_frame: &DAffine3) {
-        let index_from_frame = bricks.world_from_index().inverse() * *node_from_frame;
-        self.push_leaf(Leaf::new(source, index_from_frame, bricks.index_bounds()));
+    fn push_voxels(&mut self, source: Source, bricks: &Bricks, visit: &Visit) {
+        let index_from_frame = bricks.world_from_index().inverse() * visit.node_from_frame;
+        self.push_leaf(Leaf::new(source, visit.space, index_from_frame, bricks.index_bounds()));
     }
 
     fn push_leaf(&mut self, leaf: Leaf) {
@@ -310,8 +345,7 @@ impl Tree {
     pub fn cut_by(mut self, planes: &[Plane], world_from_frame: &DAffine3) -> Self {
         if !self.steps.is_empty() {
             for plane in planes {
-                let index = self.cuts.add(FramePlane::from(plane).moved(world_from_frame));
-                self.steps.push(Step::Cut(index));
+                self.push_cut(None, FramePlane::from(plane).moved(world_from_frame));
             }
         }
         self
@@ -350,7 +384,12 @@ impl Tree {
 
     /// Plane `index` of a [`Step::Cut`].
     pub fn cut(&self, index: u32) -> &FramePlane {
-        &self.cuts.parts()[index as usize]
+        &self.cuts.parts()[index as usize].1
+    }
+
+    /// The space that plane `index` stands in.
+    pub fn cut_space(&self, index: u32) -> Space {
+        self.cuts.parts()[index as usize].0
     }
 
     /// Operator `index` of a [`Step::Combine`].
@@ -386,7 +425,7 @@ impl Tree {
         match step {
             Step::Leaf(i) | Step::LeafInside(i) => {
                 let leaf = self.leaf(i);
-                let local = affine::point(&leaf.local_from_frame, p);
+                let local = affine::point(&leaf.local_from_frame, self.in_space(leaf.space, p));
                 let inside = leaf.local_bounds.contains(local);
                 stack.push(ColorSample::of_value(if inside {
                     leaf.sample_inside(local)
@@ -404,7 +443,7 @@ impl Tree {
             }
             Step::Cut(i) => {
                 let top = stack.last_mut().expect("a cut has an operand");
-                if self.cut(i).distance(p) > 0.0 {
+                if self.cut(i).distance(self.in_space(self.cut_space(i), p)) > 0.0 {
                     *top = ColorSample::EMPTY;
                 }
             }
@@ -442,35 +481,41 @@ fn is_singular(node: &Node) -> bool {
 }
 
 /// A node on the way to being flattened.
-struct Visit {
+pub(super) struct Visit {
     id: NodeId,
-    node_from_frame: DAffine3,
+    pub node_from_frame: DAffine3,
+    pub space: Space,
+    /// The space of its children, once they are done.
+    inside: Space,
     children_done: bool,
 }
 
 impl Visit {
-    fn enter(id: NodeId, node_from_frame: DAffine3) -> Self {
+    fn enter(id: NodeId, node_from_frame: DAffine3, space: Space) -> Self {
         Self {
             id,
             node_from_frame,
+            space,
+            inside: None,
             children_done: false,
         }
     }
 
     /// Puts the node back, to be written after its children, which are pushed so that the first is visited first.
-    fn expand(self, model: &Model, pending: &mut Vec<Self>) {
+    fn expand(self, model: &Model, inside: Space, pending: &mut Vec<Self>) {
         let node = model.node(self.id);
         let child_from_frame = match node {
             Node::Transform { parent_from_child, .. } => parent_from_child.inverse() * self.node_from_frame,
             _ => self.node_from_frame,
         };
         pending.push(Self {
+            inside,
             children_done: true,
             ..self
         });
         let children: Vec<NodeId> = node.children().collect();
         for &child in children.iter().rev() {
-            pending.push(Self::enter(child, child_from_frame));
+            pending.push(Self::enter(child, child_from_frame, inside));
         }
     }
 }

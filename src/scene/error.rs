@@ -219,6 +219,12 @@ pub enum Problem {
     /// A mesh that cannot be loaded, or that bounds no solid.
     #[error("cannot load the mesh {0}")]
     Mesh(String),
+    /// Landmarks that cannot be loaded.
+    #[error("cannot load the landmarks {0}")]
+    Landmarks(String),
+    /// Landmarks that make no deformation, or one that cannot be.
+    #[error("{0}")]
+    Deformation(String),
     /// An edit of a node that is not there.
     #[error("there is no node at {0:?}")]
     NoNode(Vec<usize>),

@@ -15,6 +15,8 @@ pub(super) enum Children {
     ShapesAndPoints,
     /// The rows of a table.
     Rows,
+    /// Nodes of the tree, and landmarks.
+    ShapesAndPairs,
     /// Control points.
     Points,
     /// The corners of a solid.
@@ -54,7 +56,8 @@ const fn rule(
 }
 
 use Children::{
-    Corners, Keys, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndPoints, ShapesAndTable, Tracks,
+    Corners, Keys, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndPairs, ShapesAndPoints, ShapesAndTable,
+    Tracks,
 };
 
 /// Nodes at the top of a file.
@@ -283,6 +286,13 @@ pub(super) const SHAPES: &[Rule] = &[
     ),
     rule("matrix", 1, &[], Shapes, "matrix \"1 0 0 0  0 1 0 0  0 0 1 0\" { … }"),
     rule(
+        "deform",
+        0,
+        &["landmarks", "from", "to", "stiffness", "support", "error"],
+        ShapesAndPairs,
+        "deform landmarks=\"pairs.txt\" { … }",
+    ),
+    rule(
         "map",
         1,
         &["scale", "offset", "a", "b", "c"],
@@ -331,6 +341,15 @@ pub(super) const LUT: &[Rule] = &[rule(
 /// A row of a table.
 pub(super) const ROW: &[Rule] = &[rule("row", 1, &[], Leaf, "row \"0 100 255\"")];
 
+/// A landmark of a deformation.
+pub(super) const PAIR: &[Rule] = &[rule(
+    "pair",
+    0,
+    &["from", "to", "name"],
+    Leaf,
+    "pair from=\"0 0 0\" to=\"5 0 0\"",
+)];
+
 /// A control point of a transfer function.
 pub(super) const POINT: &[Rule] = &[rule(
     "point",
@@ -361,6 +380,7 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::ShapesAndLut => &[SHAPES, LUT],
         Children::ShapesAndPoints => &[SHAPES, POINT],
         Children::Rows => &[ROW],
+        Children::ShapesAndPairs => &[SHAPES, PAIR],
         Children::Points => &[POINT],
         Children::Corners => &[CORNER],
         Children::Tracks => &[TRACK],
@@ -376,7 +396,10 @@ mod tests {
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
         let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
-        for rule in [TOP, SHAPES, AT, LUT, ROW, POINT, CORNER, TRACK].into_iter().flatten() {
+        for rule in [TOP, SHAPES, AT, LUT, ROW, POINT, CORNER, PAIR, TRACK]
+            .into_iter()
+            .flatten()
+        {
             assert!(documented(rule.name, &['`', ' ']), "{}", rule.name);
             for property in rule.properties {
                 assert!(documented(property, &['`', '=']), "{} of {}", property, rule.name);

@@ -20,6 +20,7 @@
 
 mod animation;
 mod appearance;
+mod deform;
 mod edit;
 mod editor;
 mod element;

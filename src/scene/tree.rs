@@ -11,6 +11,7 @@ use std::sync::Arc;
 use glam::DAffine3;
 use kdl::KdlDocument;
 
+use super::deform;
 use super::element::Element;
 use super::error::{Problem, SceneError};
 use super::file;
@@ -101,6 +102,7 @@ impl<'l> TreeBuilder<'l> {
             "union" | "intersect" | "subtract" | "overlay" => self.combined(element, scope),
             "map" => self.mapped(element, scope),
             "classify" => self.classified(element, scope),
+            "deform" => self.deformed(element, scope),
             "complement" => self.complement(element, scope),
             "repeat" => self.repeated(element, scope),
             "cut" => self.cut(element, scope),
@@ -155,6 +157,20 @@ impl<'l> TreeBuilder<'l> {
             first: child,
             second,
         })))
+    }
+
+    /// The children deformed by landmarks.
+    fn deformed(&mut self, element: Element, scope: &mut Scope) -> Result<NodeId> {
+        let spline = deform::spline(&element, &scope.base_dir)?;
+        let error_voxels = deform::error_voxels(&element)?;
+        let child = self.united(element, scope)?;
+        let bounds = self.model.bounds_of(child);
+        let morph = Arc::new(deform::morph(&element, spline, &bounds)?);
+        Ok(self.model.push(Node::Deform {
+            child,
+            morph,
+            error_voxels,
+        }))
     }
 
     /// Everything but the child.
@@ -330,7 +346,7 @@ impl<'l> TreeBuilder<'l> {
         for child in element.children() {
             let child = child?;
             match child.name() {
-                "at" | "lut" | "point" => {}
+                "at" | "lut" | "point" | "pair" => {}
                 "define" => self.define(child, scope)?,
                 _ => operands.push(Operand {
                     id: self.shape(child, scope)?,

@@ -63,9 +63,10 @@ impl Lattice {
     /// If the model cannot be flattened, is empty or unbounded, or the spacing impossible.
     pub fn of_model(model: &Model, spacing_mm: Option<f64>) -> Result<Self, TargetError> {
         // How far soft surfaces reach depends on the spacing, which the solids decide.
-        let crisp = Tree::in_world(model, 0.0)?;
+        let outline = |voxel_mm| Tree::outline(model, &DAffine3::IDENTITY, voxel_mm, None);
+        let crisp = outline(0.0)?;
         let voxel_mm = Self::of_tree(&crisp, spacing_mm)?.spacing_mm().max_element();
-        let soft = Tree::in_world(model, voxel_mm)?;
+        let soft = outline(voxel_mm)?;
         let has_volume = soft
             .leaves()
             .iter()

@@ -41,7 +41,7 @@ impl<'a> Levels<'a> {
     /// If the model cannot be flattened or has no such lattice.
     pub fn new(model: &'a Model, spacing_mm: Option<f64>, count: u32) -> Result<Self, TargetError> {
         let base = Lattice::of_model(model, spacing_mm)?;
-        let crisp = Tree::in_world(model, 0.0)?;
+        let crisp = Tree::outline(model, &DAffine3::IDENTITY, 0.0, None)?;
         let is_volume = |leaf: &crate::model::Leaf| matches!(leaf.source, Source::Volume(_));
         let mut levels = Self {
             model,
@@ -107,7 +107,7 @@ impl<'a> Levels<'a> {
     }
 
     fn in_world(&self, level: u32, grade: Option<Grade>) -> Result<Tree, TargetError> {
-        Ok(Tree::graded(
+        Ok(Tree::outline(
             self.model,
             &DAffine3::IDENTITY,
             self.voxel_mm(level),

@@ -2,7 +2,8 @@
 //!
 //! *Theory.* For each voxel, fetch its values in the path's leaves and combine them by the path's operations.
 //! *Changes from the paper.* A path runs once for a row of voxels, not once for a voxel: leaves fill rows of samples, and
-//! operations combine whole rows. Bit for bit the result is the tree's at each voxel (design law 1).
+//! operations combine whole rows. Bit for bit the result is the tree's at each voxel (design law 1). Below a deformation a row is
+//! bent: its points are found once, cell by cell of the deformation's table, and leaves are sampled at them.
 
 use std::ops::Range;
 
@@ -10,11 +11,12 @@ use glam::DVec3;
 
 use super::program::{Instruction, program};
 use crate::math::{Aabb, Overlap, affine};
+use crate::model::deform::Points;
 use crate::model::{Classifier, ColorSample, Leaf, MaskLeaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
 
 /// The voxels `(x, y, z)`, `(x + 1, y, z)`, … as many as `len`.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct Voxels {
     x: f64,
     y: f64,
@@ -65,6 +67,14 @@ impl Voxels {
     }
 }
 
+/// Where the points of a row of voxels are below one deformation.
+#[derive(Default)]
+struct WarpedRow {
+    points: Points,
+    /// The row that they are of.
+    of: Option<Voxels>,
+}
+
 /// A row of samples, as separate values and coverages.
 #[derive(Default)]
 struct Row {
@@ -83,6 +93,7 @@ pub struct RowEvaluator<'a> {
     /// The path that was run last, and how.
     path: Vec<Step>,
     program: Vec<Instruction>,
+    warped: Vec<WarpedRow>,
 }
 
 impl<'a> RowEvaluator<'a> {
@@ -95,6 +106,7 @@ impl<'a> RowEvaluator<'a> {
             kept: Vec::new(),
             path: Vec::new(),
             program: Vec::new(),
+            warped: (0..tree.warp_count()).map(|_| WarpedRow::default()).collect(),
         }
     }
 
@@ -107,7 +119,8 @@ impl<'a> RowEvaluator<'a> {
             let leaf = self.tree.leaf(*index);
             match &leaf.source {
                 Source::Volume(VolumeLeaf { bricks, .. }) | Source::Mask(MaskLeaf { bricks, .. }) => {
-                    bricks.fetch(&bounds.transformed(&leaf.local_from_frame));
+                    let region = self.tree.region_in(leaf.space, bounds);
+                    bricks.fetch(&region.hull.transformed(&leaf.local_from_frame));
                 }
                 Source::Primitive(_) => {}
             }
@@ -193,6 +206,9 @@ impl<'a> RowEvaluator<'a> {
         let Source::Volume(volume) = &leaf.source else {
             return None;
         };
+        if leaf.space.is_some() {
+            return None;
+        }
         let inside = match path {
             [Step::Leaf(_)] => voxels.inside(leaf),
             _ => 0..voxels.len,
@@ -240,14 +256,49 @@ impl<'a> RowEvaluator<'a> {
         self.kept[slot] = kept;
     }
 
+    /// Pushes a row of a leaf, which may be known to hold it.
+    fn leaf(&mut self, leaf: &Leaf, voxels: &Voxels, holds: bool) {
+        let Some(warp) = leaf.space else {
+            let row = self.push(voxels.len);
+            return match holds {
+                true => row.fill_inside(leaf, voxels),
+                false => row.fill(leaf, voxels, voxels.inside(leaf)),
+            };
+        };
+        self.push(voxels.len);
+        self.warp(warp, voxels);
+        let (row, points) = (&mut self.rows[self.depth - 1], &self.warped[warp as usize].points);
+        match holds {
+            true => row.fill_inside_at(leaf, points),
+            false => row.fill_at(leaf, points),
+        }
+    }
+
+    /// Finds where the row is below deformation `warp`, unless that is known.
+    fn warp(&mut self, warp: u32, voxels: &Voxels) {
+        if self.warped[warp as usize].of == Some(*voxels) {
+            return;
+        }
+        let (outer, table) = (self.tree.space_around(warp), self.tree.table(warp));
+        let mut row = std::mem::take(&mut self.warped[warp as usize]);
+        row.points.resize(voxels.len);
+        match outer {
+            None => table.row(DVec3::new(voxels.x, voxels.y, voxels.z), &mut row.points),
+            Some(outer) => {
+                self.warp(outer, voxels);
+                let before = &self.warped[outer as usize].points;
+                (0..voxels.len).for_each(|n| row.points.set(n, table.point(before.get(n))));
+            }
+        }
+        row.of = Some(*voxels);
+        self.warped[warp as usize] = row;
+    }
+
     fn apply(&mut self, step: Step, voxels: &Voxels) {
         let tree = self.tree;
         match step {
-            Step::LeafInside(i) => self.push(voxels.len).fill_inside(tree.leaf(i), voxels),
-            Step::Leaf(i) => {
-                let leaf = tree.leaf(i);
-                self.push(voxels.len).fill(leaf, voxels, voxels.inside(leaf));
-            }
+            Step::LeafInside(i) => self.leaf(tree.leaf(i), voxels, true),
+            Step::Leaf(i) => self.leaf(tree.leaf(i), voxels, false),
             Step::Map(i) => {
                 let map = tree.map(i);
                 self.top().update(|_, s| map.sample(s));
@@ -255,14 +306,17 @@ impl<'a> RowEvaluator<'a> {
             Step::Classify(i) => self.top().classify(tree.classifier(i)),
             Step::Cut(i) => {
                 let cut = tree.cut(i);
-                let away = |n: usize| cut.distance(DVec3::new(voxels.x + n as f64, voxels.y, voxels.z)) > 0.0;
-                let top = self.top();
-                top.update(|n, s| if away(n) { Sample::EMPTY } else { s });
-                top.rgb
-                    .iter_mut()
-                    .enumerate()
-                    .filter(|(n, _)| away(*n))
-                    .for_each(|(_, rgb)| *rgb = [0.0; 3]);
+                let away = |p: DVec3| cut.distance(p) > 0.0;
+                match tree.cut_space(i) {
+                    None => self
+                        .top()
+                        .cut_away(|n| away(DVec3::new(voxels.x + n as f64, voxels.y, voxels.z))),
+                    Some(warp) => {
+                        self.warp(warp, voxels);
+                        let points = &self.warped[warp as usize].points;
+                        self.rows[self.depth - 1].cut_away(|n| away(points.get(n)));
+                    }
+                }
             }
             Step::Combine(i) => {
                 let operator = tree.operator(i);
@@ -296,6 +350,13 @@ impl Row {
             sample: self.sample(n),
             rgb: self.rgb.get(n).copied().unwrap_or_default(),
         }
+    }
+
+    /// Makes what is `away` nothing.
+    fn cut_away(&mut self, away: impl Fn(usize) -> bool) {
+        self.update(|n, s| if away(n) { Sample::EMPTY } else { s });
+        let colors = self.rgb.iter_mut().enumerate();
+        colors.filter(|(n, _)| away(*n)).for_each(|(_, rgb)| *rgb = [0.0; 3]);
     }
 
     fn classify(&mut self, classifier: &Classifier) {
@@ -332,6 +393,45 @@ impl Row {
                 self.value.fill(placed.value());
                 self.coverage.fill(1.0);
             }
+        }
+    }
+
+    /// [`Self::fill_inside`] with voxels at `points` of the leaf's space.
+    fn fill_inside_at(&mut self, leaf: &Leaf, points: &Points) {
+        match &leaf.source {
+            Source::Volume(volume) => self.fill_from(leaf, volume, points),
+            Source::Mask(_) => self.fill_at(leaf, points),
+            Source::Primitive(placed) => {
+                self.value.fill(placed.value());
+                self.coverage.fill(1.0);
+            }
+        }
+    }
+
+    /// Fills the row from a volume, at points of it.
+    fn fill_from(&mut self, leaf: &Leaf, volume: &VolumeLeaf, points: &Points) {
+        volume
+            .bricks
+            .sample_points(&leaf.local_from_frame, points.columns(), &mut self.value);
+        self.coverage.fill(1.0);
+        if !volume.admits_all() {
+            self.update(|_, s| volume.admit(s.value));
+        }
+    }
+
+    /// Fills the row from a leaf whose box some of `points` may lie beyond.
+    fn fill_at(&mut self, leaf: &Leaf, points: &Points) {
+        let local = |n: usize| affine::point(&leaf.local_from_frame, points.get(n));
+        let is_inside = |p: DVec3| leaf.local_bounds.contains(p);
+        match &leaf.source {
+            Source::Volume(volume) => {
+                self.fill_from(leaf, volume, points);
+                self.update(|n, s| if is_inside(local(n)) { s } else { Sample::EMPTY });
+            }
+            Source::Mask(_) | Source::Primitive(_) => self.update(|n, _| match local(n) {
+                p if is_inside(p) => leaf.sample_inside(p),
+                _ => Sample::EMPTY,
+            }),
         }
     }
 

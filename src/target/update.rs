@@ -74,7 +74,8 @@ impl Target {
     pub fn updated(&self, model: &Model, subdivision: &Subdivision) -> Result<Update, TargetError> {
         let tree = Tree::new(model, &self.lattice.world_from_lattice)?;
         let like = |s: &Subdivision| (s.min_block, s.max_block, s.boundary);
-        if like(subdivision) != like(&self.subdivision) {
+        // A deformation that changes moves all that it holds.
+        if like(subdivision) != like(&self.subdivision) || !self.tree.deforms_like(&tree) {
             return Self::of_tree(tree, self.lattice, subdivision).map(Update::anew);
         }
         let mut changes = Changes::between(&self.tree, &tree);

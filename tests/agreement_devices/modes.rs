@@ -12,7 +12,7 @@ use crate::scene::{Content, Recipe};
 /// Each data type, content, lens and light meets each kind of mode, and blocks are one, many, or of several sizes.
 #[rustfmt::skip]
 fn recipes() -> Vec<Recipe> {
-    use Content::{Blended, Carved, Turned, United, Volume};
+    use Content::{Blended, Carved, Deformed, Turned, United, Volume};
     use Mode::{Additive, Average, Composite, MinIp, Mip, XRay};
     let table = [
         (U8,  Volume, Composite, false, false, [16, 16]),
@@ -39,6 +39,8 @@ fn recipes() -> Vec<Recipe> {
         (F32, Blended, Additive,  false, false, [8, 16]),
         (I16, Blended, XRay,      false, true,  [64, 64]),
         (U8,  Blended, Composite, true,  true,  [16, 64]),
+        (U8,  Deformed, Composite, true, false, [8, 32]),
+        (F32, Deformed, Mip,     false, true,  [16, 16]),
     ];
     (101..).zip(table)
         .map(|(seed, (voxels, content, mode, lit, perspective, blocks))| {

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use vcsg::math::{Interval, Plane};
+use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::deform::{Landmark, Morph, Smoothness, Spline};
 use vcsg::model::{BooleanOp, Combine, Family, Model, Node, ValueRule, VolumeLeaf};
 use vcsg::projection::{
     Camera, ControlPoint, DepthCue, FrameSpec, Light, Material, Mode, Projection, Settings, Shading, TransferFunction,
@@ -40,6 +41,8 @@ pub enum Content {
     United,
     /// The same with colours of their own, blended by a rule that the seed chooses, and cut.
     Blended,
+    /// A volume bent by landmarks at its corners.
+    Deformed,
 }
 
 /// All that a frame needs.
@@ -79,13 +82,13 @@ pub const FRAME_PX: [u32; 2] = [48, 40];
 impl Recipe {
     /// All of it left to the seed.
     pub fn random(seed: u64) -> Self {
-        use Content::{Blended, Carved, Turned, United, Volume};
+        use Content::{Blended, Carved, Deformed, Turned, United, Volume};
         let random = &mut Random(!seed);
         let mode = random.of(&Mode::ALL);
         Self {
             seed,
             voxels: random.of(&[VoxelType::U8, VoxelType::I16, VoxelType::F32]),
-            content: random.of(&[Volume, Turned, Carved, United, Blended]),
+            content: random.of(&[Volume, Turned, Carved, United, Blended, Deformed]),
             mode: random.of(&[Mode::Composite, mode]),
             lit: random.below(2) == 1,
             perspective: random.below(2) == 1,
@@ -162,6 +165,13 @@ impl Recipe {
                 let child = model.push(combine(BooleanOp::Union, rule, first, second));
                 let plane = Plane::through(center, DVec3::new(1.0, -1.0, 0.5)).expect("a plane");
                 model.push(Node::Cut { child, plane });
+            }
+            Content::Deformed => {
+                model.push(Node::Deform {
+                    child: volume,
+                    morph: Arc::new(bent(&bounds, random)),
+                    error_voxels: 0.1,
+                });
             }
             Content::United => {
                 let second = model.push(ball);
@@ -277,4 +287,16 @@ fn transfer(random: &mut Random, unit_mm: f64) -> TransferFunction {
         point(220.0, [0.02, 0.3]),
     ];
     TransferFunction::new(points, unit_mm).expect("rising values")
+}
+
+/// Each corner of `bounds` goes up to a twelfth of its size along each axis.
+fn bent(bounds: &Aabb, random: &mut Random) -> Morph {
+    let mut by = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0) / 12.0)) * bounds.size();
+    let landmarks = bounds.corners().map(|from| Landmark {
+        name: "corner".into(),
+        from,
+        to: from + by(),
+    });
+    let spline = Spline::new(&landmarks, &Smoothness::default()).expect("a spline");
+    Morph::new(spline, *bounds).expect("corners that go apart fold nothing")
 }

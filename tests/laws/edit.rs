@@ -6,13 +6,15 @@ use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::deform::Morph;
 use vcsg::model::{Admitted, Boundary, Combine, Model, Node, NodeId, Operator, Step, TransferFunction, ValueMap};
 use vcsg::target::{Block, BlockVoxels, Lattice, Octree, Subdivision, Target, Update, VoxelTarget};
 use vcsg::voxelize::{Primitive, Solid};
 
 use super::path::same_bits;
 use super::twig::{Leafless, Twig};
-use crate::support::scenes::{Scene, value_scene};
+use crate::support::landmarks::landmarks;
+use crate::support::scenes::{Scene, undeformed_scene};
 use crate::support::{cases, parts, seeded};
 
 /// What a random edit takes its numbers from.
@@ -123,6 +125,7 @@ fn change(node: &mut Node, with: &Parameters) {
         Node::Transform { parent_from_child, .. } => *parent_from_child = with.placement,
         Node::Transfer { map, .. } => *map = with.map.clone(),
         Node::Cut { plane, .. } => *plane = with.plane,
+        Node::Deform { error_voxels, .. } => *error_voxels *= 1.5,
         Node::Classify { transfer, .. } => *transfer = Arc::new(with.transfer.clone()),
         Node::Combine(c) => {
             let Operator { op, rule, family } = with.operator.clone();
@@ -137,7 +140,7 @@ fn nudge(node: &mut Node) {
     match node {
         Node::Volume(leaf) => leaf.window = Interval::new(leaf.window.lo.max(-50.0), leaf.window.hi),
         Node::Mask(leaf) => leaf.admitted = Admitted::NotZero,
-        Node::Classify { .. } => {}
+        Node::Deform { .. } | Node::Classify { .. } => {}
         Node::Primitive(primitive) => match &mut primitive.solid {
             Solid::Sphere { center, .. } => *center += by,
             Solid::Box(bounds) => *bounds = Aabb::new(bounds.min + by, bounds.max + by),
@@ -186,6 +189,8 @@ struct Sequence {
     scene: Scene,
     /// What combines the scene's colours with those of a ball, if it has any; edits bring transfer functions.
     blend: Option<Operator>,
+    /// What deforms the ball, in turns, if anything does.
+    morphs: Vec<Arc<Morph>>,
     /// Balls that make the paths long.
     balls: usize,
     subdivision: Subdivision,
@@ -193,6 +198,13 @@ struct Sequence {
 }
 
 const EDITS: usize = 25;
+
+fn ball() -> Solid {
+    Solid::Sphere {
+        center: DVec3::ONE,
+        radius: 5.0,
+    }
+}
 
 fn sequence() -> impl Strategy<Value = Sequence> {
     // Blocks of 16 are reconstructed in several parts.
@@ -205,9 +217,14 @@ fn sequence() -> impl Strategy<Value = Sequence> {
     let balls = prop_oneof![15 => Just(0usize), 1 => Just(70)];
     let blend = prop::option::weighted(0.4, parts::color_operator());
     let edits = prop::collection::vec(edit(), EDITS);
-    (value_scene(), blend, balls, subdivision, edits).prop_map(|(scene, blend, balls, subdivision, edits)| Sequence {
+    let bounds = Aabb::new(DVec3::splat(-8.0), DVec3::splat(10.0));
+    let morph = landmarks().prop_map(move |landmarks| Arc::new(landmarks.morph(&bounds)));
+    let morphs = prop_oneof![2 => Just(vec![]).boxed(), 1 => prop::collection::vec(morph, 2).boxed()];
+    let all = (undeformed_scene(), blend, morphs, balls, subdivision, edits);
+    all.prop_map(|(scene, blend, morphs, balls, subdivision, edits)| Sequence {
         scene,
         blend,
+        morphs,
         balls,
         subdivision,
         edits,
@@ -227,24 +244,26 @@ impl Sequence {
         tree
     }
 
-    /// The model of a tree after edit `n`. Some of the edits change its colours, if it has any, some those beside it.
+    /// The model of a tree after edit `n`, and a ball. Some of the edits change the tree's colours, if it has any, some the ball's, and
+    /// some how the ball is deformed.
     fn model(&self, tree: &Twig, n: usize) -> Model {
         let mut model = tree.model();
-        let (Some(root), Some(blend)) = (model.root(), &self.blend) else {
+        let Some(first) = model.root() else {
             return model;
         };
+        let second = self.ball(&mut model, n);
         let classified = |model: &mut Model, child, edit: usize| {
             let transfer = Arc::new(self.edits[edit].with.transfer.clone());
             model.push(Node::Classify { child, transfer })
         };
-        let first = classified(&mut model, root, n / 5 * 5);
-        let ball = Solid::Sphere {
-            center: DVec3::ONE,
-            radius: 5.0,
+        let (first, second, operator) = match &self.blend {
+            None => (first, second, seeded(&parts::operator(), 3)),
+            Some(blend) => {
+                let first = classified(&mut model, first, n / 5 * 5);
+                (first, classified(&mut model, second, n / 3), blend.clone())
+            }
         };
-        let ball = model.push(Node::Primitive(Primitive::soft(ball, 50.0)));
-        let second = classified(&mut model, ball, n / 3);
-        let Operator { op, rule, family } = blend.clone();
+        let Operator { op, rule, family } = operator;
         model.push(Node::Combine(Combine {
             op,
             rule,
@@ -253,6 +272,18 @@ impl Sequence {
             second,
         }));
         model
+    }
+
+    fn ball(&self, model: &mut Model, n: usize) -> NodeId {
+        let child = model.push(Node::Primitive(Primitive::soft(ball(), 50.0)));
+        match self.morphs.get(n / 8 % 3) {
+            None => child,
+            Some(morph) => model.push(Node::Deform {
+                child,
+                morph: Arc::clone(morph),
+                error_voxels: 0.1,
+            }),
+        }
     }
 
     /// Some voxels more than ten along the longest axis.

@@ -21,12 +21,14 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
                 let leaf = tree.leaf(i);
                 match &leaf.source {
                     Source::Primitive(placed) => Sample::solid(placed.value()),
-                    Source::Volume(_) | Source::Mask(_) => leaf.sample_inside(affine::point(&leaf.local_from_frame, p)),
+                    Source::Volume(_) | Source::Mask(_) => {
+                        leaf.sample_inside(affine::point(&leaf.local_from_frame, tree.in_space(leaf.space, p)))
+                    }
                 }
             }
             Step::Leaf(i) => {
                 let leaf = tree.leaf(i);
-                let local = affine::point(&leaf.local_from_frame, p);
+                let local = affine::point(&leaf.local_from_frame, tree.in_space(leaf.space, p));
                 match leaf.local_bounds.contains(local) {
                     true => leaf.sample_inside(local),
                     false => Sample::EMPTY,
@@ -49,9 +51,9 @@ fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
                 continue;
             }
             Step::Cut(i) => {
-                let kept = tree.cut(i).distance(p) <= 0.0;
+                let removed = tree.cut(i).distance(tree.in_space(tree.cut_space(i), p)) > 0.0;
                 let operand = stack.pop().expect("an operand");
-                stack.push(if kept { operand } else { ColorSample::EMPTY });
+                stack.push(if removed { ColorSample::EMPTY } else { operand });
                 continue;
             }
         };

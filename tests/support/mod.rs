@@ -1,5 +1,6 @@
 //! Random scenes, views and subdivisions, and the slow truth that they are held against.
 
+pub mod landmarks;
 pub mod parts;
 pub mod scenes;
 pub mod truth;

@@ -13,6 +13,7 @@ use vcsg::model::{
 use vcsg::target::{Lattice, Subdivision, Target};
 use vcsg::voxelize::{Primitive, Solid};
 
+use super::landmarks::{self, Landmarks};
 use super::parts::{self, Scan};
 use super::seeded;
 
@@ -23,6 +24,8 @@ pub enum Part {
     Mask(Scan, Admitted),
     Primitive(Primitive),
     Transform(Box<Part>, DAffine3),
+    /// Deformed as far as landmarks, gone part of their way, do not fold it.
+    Deform(Box<Part>, Landmarks),
     Transfer(Box<Part>, ValueMap),
     Classify(Box<Part>, Arc<TransferFunction>),
     Cut(Box<Part>, Plane),
@@ -48,6 +51,10 @@ impl Builder {
                 child: self.push(child),
                 parent_from_child: *parent_from_child,
             },
+            Part::Deform(child, landmarks) => {
+                let child = self.push(child);
+                self.deformed(child, landmarks)
+            }
             Part::Transfer(child, map) => Node::Transfer {
                 child: self.push(child),
                 map: map.clone(),
@@ -73,6 +80,35 @@ impl Builder {
         }
         id
     }
+}
+
+impl Builder {
+    /// What is endless is deformed within a box.
+    fn deformed(&mut self, child: NodeId, landmarks: &Landmarks) -> Node {
+        let bounds = self.model.bounds()[child.index()];
+        let (child, bounds) = match bounds.is_finite() || bounds.is_empty() {
+            true => (child, bounds),
+            false => {
+                let second = self.model.push(everywhere());
+                let (rule, family) = (ValueRule::First, Family::MinMax);
+                let both = self.model.fold(BooleanOp::Intersection, rule, family, [child, second]);
+                (both.expect("two"), everywhere_bounds())
+            }
+        };
+        Node::Deform {
+            child,
+            morph: landmarks.morph(&bounds).into(),
+            error_voxels: landmarks.error_voxels,
+        }
+    }
+}
+
+fn everywhere_bounds() -> Aabb {
+    Aabb::new(DVec3::splat(-13.0), DVec3::splat(11.5))
+}
+
+fn everywhere() -> Node {
+    Node::Primitive(Primitive::crisp(Solid::Box(everywhere_bounds()), 1.0))
 }
 
 fn ball() -> Node {
@@ -130,8 +166,7 @@ fn bounded(mut model: Model) -> Model {
     let (op, node) = if bounds.is_empty() || bounds.size().min_element() <= 0.0 {
         (BooleanOp::Union, ball())
     } else if !bounds.is_finite() {
-        let solid = Solid::Box(Aabb::new(DVec3::splat(-13.0), DVec3::splat(11.5)));
-        (BooleanOp::Intersection, Node::Primitive(Primitive::crisp(solid, 1.0)))
+        (BooleanOp::Intersection, everywhere())
     } else {
         return model;
     };
@@ -176,7 +211,7 @@ pub fn scene() -> impl Strategy<Value = Scene> {
 /// Random scenes of colours: scenes of values classified each by a transfer function of its own, and combined.
 pub fn color_scene() -> impl Strategy<Value = Scene> {
     let primitive = prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed();
-    let values = tree(parts::placement().boxed(), primitive, true);
+    let values = tree(parts::placement().boxed(), primitive, true, 1);
     let leaf = (values, parts::transfer()).prop_map(|(p, t)| Part::Classify(Box::new(p), Arc::new(t)));
     let colored = leaf.prop_recursive(3, 4, 2, |part| {
         let boxed = || part.clone().prop_map(Box::new);
@@ -191,19 +226,25 @@ pub fn color_scene() -> impl Strategy<Value = Scene> {
 
 /// Random scenes of values: freely placed, or with all volumes on one lattice; primitives are soft or crisp.
 pub fn value_scene() -> impl Strategy<Value = Scene> {
-    scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed())
+    scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed(), 1)
 }
 
-/// Random scenes in which coverage is 0 or 1.
+/// Random scenes in which nothing is deformed.
+pub fn undeformed_scene() -> impl Strategy<Value = Scene> {
+    scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed(), 0)
+}
+
+/// Random scenes in which coverage is 0 or 1 and nothing is deformed.
 pub fn crisp_scene() -> impl Strategy<Value = Scene> {
-    scene_of(parts::crisp().boxed())
+    scene_of(parts::crisp().boxed(), 0)
 }
 
-fn scene_of(primitive: BoxedStrategy<Primitive>) -> impl Strategy<Value = Scene> {
-    let free = tree(parts::placement().boxed(), primitive.clone(), true);
+/// Random scenes of these primitives, with `deformed` deformations for each cut.
+fn scene_of(primitive: BoxedStrategy<Primitive>, deformed: u32) -> impl Strategy<Value = Scene> {
+    let free = tree(parts::placement().boxed(), primitive.clone(), true, deformed);
     let aligned = parts::placement().prop_flat_map(move |frame| {
         let placement = parts::shift().prop_map(move |by| frame * by).boxed();
-        tree(placement, primitive.clone(), false)
+        tree(placement, primitive.clone(), false, deformed)
     });
     prop_oneof![2 => free, 1 => aligned].prop_map(Scene::new)
 }
@@ -212,6 +253,7 @@ fn tree(
     placement: BoxedStrategy<DAffine3>,
     primitive: BoxedStrategy<Primitive>,
     transforms: bool,
+    deformed: u32,
 ) -> impl Strategy<Value = Part> {
     let leaf = prop_oneof![
         4 => parts::scan(placement.clone()).prop_map(Part::Volume),
@@ -225,6 +267,7 @@ fn tree(
         prop_oneof![
             6 => (parts::operator(), boxed(), boxed()).prop_map(|(o, a, b)| Part::Combine(o, a, b)),
             1 + moves => (boxed(), parts::value_map()).prop_map(|(p, m)| Part::Transfer(p, m)),
+            deformed => (boxed(), landmarks::landmarks()).prop_map(|(p, l)| Part::Deform(p, l)),
             1 => (boxed(), parts::plane()).prop_map(|(p, plane)| Part::Cut(p, plane)),
             1 => (boxed(), moved(transforms)).prop_map(|(p, m)| Part::Transform(p, m)),
         ]

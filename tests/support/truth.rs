@@ -44,6 +44,8 @@ pub fn sample(model: &Model, id: NodeId, p: DVec3) -> Truth {
             child,
             parent_from_child,
         } => sample(model, *child, parent_from_child.inverse().transform_point3(p)),
+        // Held against the spline itself by the test `deformation`.
+        Node::Deform { .. } => Err(Undecided),
         Node::Transfer { child, map } => Ok(sample(model, *child, p)?.map(|v| mapped(map, v))),
         // No opacity is a value of a definition.
         Node::Classify { .. } => Err(Undecided),

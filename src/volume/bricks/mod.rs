@@ -138,6 +138,12 @@ impl Bricks {
         for_type!(BrickStore, &self.store, b => b.sample_row(index_from_lattice, row, i0, out));
     }
 
+    /// [`Self::sample_index`] at `affine::point(index_from_frame, p)` for each point p, bit for bit, of which `points` has the
+    /// coordinates, axis by axis; each as many as `out`.
+    pub fn sample_points(&self, index_from_frame: &DAffine3, points: [&[f64]; 3], out: &mut [f32]) {
+        for_type!(BrickStore, &self.store, b => b.sample_points(index_from_frame, points, out));
+    }
+
     /// [`Self::sample_index`] at the voxels from `(i0, j, k)` on along x, bit for bit; `out` reaches at most to the row's end.
     pub fn copy_row(&self, i0: usize, j: usize, k: usize, out: &mut [f32]) {
         if self.has_missing {

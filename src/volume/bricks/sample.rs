@@ -117,6 +117,31 @@ fn sample_row<T: Voxel>(bricks: &TypedBricks<T>, index_from_lattice: &DAffine3, 
     }
 }
 
+/// [`TypedBricks::sample_points`], compiled for wide registers too.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn sample_points<T: Voxel>(
+    bricks: &TypedBricks<T>,
+    index_from_frame: &DAffine3,
+    [xs, ys, zs]: [&[f64]; 3],
+    out: &mut [f32],
+) {
+    let chunks = xs.chunks(LANES).zip(ys.chunks(LANES)).zip(zs.chunks(LANES));
+    for (((xs, ys), zs), out) in chunks.zip(out.chunks_mut(LANES)) {
+        // A chunk's last point goes on beyond the row's end.
+        let last = xs.len().min(ys.len()).min(zs.len()) - 1;
+        let mut points = [[0.0; LANES]; 3];
+        for (lanes, row) in points.iter_mut().zip([xs, ys, zs]) {
+            lanes.fill(row[last]);
+            lanes[..row.len()].copy_from_slice(row);
+        }
+        let position = |n: usize| {
+            let p = DVec3::new(points[0][n], points[1][n], points[2][n]);
+            affine::point(index_from_frame, p)
+        };
+        bricks.sample_chunk::<LANES>(position, out);
+    }
+}
+
 impl<T: Voxel> TypedBricks<T> {
     /// The trilinear sample at the voxel position `p`, clamped to the outermost voxel centres.
     pub fn sample(&self, p: DVec3) -> f32 {
@@ -128,6 +153,11 @@ impl<T: Voxel> TypedBricks<T> {
     /// [`Self::sample`] at `affine::step(index_from_lattice, row, i0 + n)` for each `n` of `out`.
     pub fn sample_row(&self, index_from_lattice: &DAffine3, row: DVec3, i0: f64, out: &mut [f32]) {
         sample_row(self, index_from_lattice, row, i0, out);
+    }
+
+    /// [`Self::sample`] at `affine::point(index_from_frame, p)` for each of the points.
+    pub fn sample_points(&self, index_from_frame: &DAffine3, points: [&[f64]; 3], out: &mut [f32]) {
+        sample_points(self, index_from_frame, points, out);
     }
 
     /// The samples at `position(n)` for each `n` of `out`, which is at most `N` long.
