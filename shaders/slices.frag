@@ -23,6 +23,9 @@ layout(location = 3) flat in vec4 material;
 layout(location = 4) flat in vec4 lights[MAX_LIGHTS];
 layout(location = 9) flat in vec4 half_ways[MAX_LIGHTS];
 
+// Slices write no depth, so that what is discarded may be tested first.
+layout(early_fragment_tests) in;
+
 layout(location = 0) out vec4 color;
 
 // Premultiplied colour and opacity of one slab of ray.
@@ -62,6 +65,10 @@ void main() {
     }
     // Where nothing is covered the quotient is any number, and its colour weighs nothing.
     vec4 c = classify(MIXED ? weighted / max(coverage, 1e-6) : weighted, path_per_depth);
+    // What shows nothing need not be blended, nor lit.
+    if (c.a == 0.0) {
+        discard;
+    }
     if (MODE == MODE_XRAY) {
         color = vec4(c.a * coverage);
         return;

@@ -7,6 +7,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut, Range};
+use std::sync::Arc;
 
 use bytemuck::Pod;
 use memmap2::MmapMut;
@@ -178,6 +179,48 @@ impl<T: Pod> AsRef<[T]> for Array<T> {
     }
 }
 
+/// Values that lie in an array beside those of others, and keep it.
+#[derive(Clone)]
+pub struct Part<T> {
+    array: Arc<Array<T>>,
+    range: Range<usize>,
+}
+
+impl<T: Pod> Part<T> {
+    /// The values of `array` in `range`, which it has.
+    pub fn new(array: &Arc<Array<T>>, range: Range<usize>) -> Self {
+        let len = array.len();
+        assert!(
+            range.start <= range.end && range.end <= len,
+            "{range:?} of {len} values"
+        );
+        Self {
+            array: array.clone(),
+            range,
+        }
+    }
+}
+
+impl<T: Pod> Deref for Part<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.array[self.range.clone()]
+    }
+}
+
+impl<T: Pod + fmt::Debug> fmt::Debug for Part<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
+}
+
+impl<T: Pod + PartialEq> PartialEq for Part<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,5 +259,12 @@ mod tests {
             array.to_mut().push([9; 3]);
             assert!(array == values && array.many.is_none(), "{}", values.len());
         }
+    }
+
+    #[test]
+    fn parts_lie_in_their_array() {
+        let array = Arc::new((0..6).collect::<Array<u32>>());
+        assert_eq!(Part::new(&array, 2..5).to_vec(), [2, 3, 4]);
+        assert!(Part::new(&array, 6..6).is_empty());
     }
 }

@@ -122,8 +122,8 @@ pub struct Repetitions {
     pub builds: usize,
 }
 
-/// All comparisons; each is printed when it is done.
-pub fn compare(device: &Arc<Device>, repetitions: Repetitions) -> Outcome<Vec<Comparison>> {
+/// Compares all frames with `name` in theirs; each comparison is printed when it is done.
+pub fn compare(device: &Arc<Device>, name: &str, repetitions: Repetitions) -> Outcome<Vec<Comparison>> {
     println!(
         "\nFrames of {FRAME_EDGE}² of 256³ u8, one sample a voxel, read back; seconds, and how many times as fast as VTK"
     );
@@ -133,7 +133,7 @@ pub fn compare(device: &Arc<Device>, repetitions: Repetitions) -> Outcome<Vec<Co
     );
     let mut renderer = SliceRenderer::new(device)?;
     let mut done = Vec::new();
-    for case in &CASES {
+    for case in CASES.iter().filter(|case| case.what().contains(name)) {
         let comparison = case.compare(&mut renderer, repetitions)?;
         comparison.print();
         done.push(comparison);

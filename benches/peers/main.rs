@@ -45,9 +45,9 @@ struct Arguments {
     /// Fail if a bar is missed.
     #[arg(long)]
     strict: bool,
-    /// Measure frames only, and write no report.
-    #[arg(long)]
-    frames: bool,
+    /// Measure frames only, those with this in their names, and write no report.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
+    frames: Option<String>,
     /// Measure surfaces only, those with this in their names, and write no report.
     #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
     surfaces: Option<String>,
@@ -121,8 +121,8 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return surfaces::compare(name, arguments.repetitions().runs).map(|_| 0);
     }
     vtk::write_volumes()?;
-    if arguments.frames {
-        return frames::compare(&drawing::open_device()?, arguments.repetitions()).map(|_| 0);
+    if let Some(name) = &arguments.frames {
+        return frames::compare(&drawing::open_device()?, name, arguments.repetitions()).map(|_| 0);
     }
     if arguments.resampling {
         return resampling::compare(arguments.repetitions().runs).map(|_| 0);
@@ -156,7 +156,7 @@ impl Report {
         machine.print();
         Ok(Self {
             machine,
-            frames: frames::compare(&device, repetitions)?,
+            frames: frames::compare(&device, "", repetitions)?,
             rates: rates::measure(&device, repetitions.runs)?,
             resampling: resampling::compare(repetitions.runs)?,
             memory: memory::measure()?,

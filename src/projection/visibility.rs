@@ -72,9 +72,9 @@ pub struct DrawCost {
 }
 
 impl DrawCost {
-    /// What a slice costs beside its fragments, in fragments: a rough choice. On lavapipe, for one head, what 100, 150 and 250
-    /// drew differed by less than the noise; with larger cubes 1000 took longer than 350. No other device was tried.
-    const SLICE: f64 = 200.0;
+    /// What a slice costs beside its fragments, in fragments: a rough choice. On lavapipe, for one head, what 200, 300 and 450
+    /// drew differed by less than the noise, and 80 took a tenth longer. No other device was tried.
+    const SLICE: f64 = 300.0;
 
     /// Fragments alone: a box is drawn whole only if all of it shows.
     pub const VOXELS: Self = Self {

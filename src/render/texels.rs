@@ -168,7 +168,7 @@ impl NormalRows {
             Some(coverage) => voxels
                 .premultiplied
                 .iter()
-                .zip(coverage)
+                .zip(coverage.iter())
                 .map(|(v, c)| scale * v + offset * c)
                 .collect(),
         };

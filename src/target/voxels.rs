@@ -4,13 +4,16 @@
 //! Rows that run aslant would else wait for one cache line after the other.
 
 use std::array::from_fn;
+use std::mem::take;
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::update::Earlier;
 use super::{Block, Cube, Layout, OctreeNode, RowEvaluator, Target};
+use crate::array::{Array, Part};
 use crate::math::Aabb;
 use crate::volume::Sample;
 
@@ -19,16 +22,16 @@ use crate::volume::Sample;
 const PART: [usize; 3] = [32, 16, 8];
 
 /// The voxels of one block and of an apron round it, x fastest. Beyond the lattice its outermost voxels go on.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BlockVoxels {
     /// Voxels along each axis, apron included.
     pub dims: [usize; 3],
     /// Apron voxels on each side.
     pub apron: usize,
     /// Value times coverage.
-    pub premultiplied: Vec<f32>,
+    pub premultiplied: Part<f32>,
     /// Coverage; `None` where it is 1 throughout.
-    pub coverage: Option<Vec<f32>>,
+    pub coverage: Option<Part<f32>>,
 }
 
 impl BlockVoxels {
@@ -40,7 +43,7 @@ impl BlockVoxels {
             apron,
             earlier: None,
         };
-        filler.reconstruct()
+        filler.alone()
     }
 
     /// Reconstructs `block` without an apron, with what still holds of earlier voxels copied.
@@ -51,7 +54,40 @@ impl BlockVoxels {
             apron: 0,
             earlier: Some(earlier),
         };
-        filler.reconstruct()
+        filler.alone()
+    }
+
+    /// Reconstructs all blocks without aprons, in parallel, in memory that they share.
+    fn reconstruct_all(target: &Target) -> Vec<Self> {
+        let filler = |block| Filler {
+            target,
+            block,
+            apron: 0,
+            earlier: None,
+        };
+        let fillers: Vec<_> = target.blocks.iter().map(filler).collect();
+        let mut numbers = Array::zeroed(fillers.iter().map(Filler::len).sum());
+        let mut rest = &mut numbers[..];
+        let pieces: Vec<_> = fillers
+            .iter()
+            .map(|filler| {
+                let (piece, after) = take(&mut rest).split_at_mut(filler.len());
+                rest = after;
+                (filler, piece)
+            })
+            .collect();
+        pieces.into_par_iter().for_each(|(filler, piece)| filler.fill(piece));
+        let numbers = Arc::new(numbers);
+        let starts = fillers.iter().scan(0, |end, filler| {
+            let start = *end;
+            *end += filler.len();
+            Some(start)
+        });
+        fillers
+            .iter()
+            .zip(starts)
+            .map(|(filler, start)| filler.voxels(&numbers, start))
+            .collect()
     }
 
     /// The sample stored at voxel `at` of the lattice, which lies in the block or its apron.
@@ -71,40 +107,56 @@ struct Filler<'a> {
 }
 
 impl Filler<'_> {
-    fn reconstruct(&self) -> BlockVoxels {
-        let (block, apron) = (self.block, self.apron);
-        let dims = block.extent.map(|n| n + 2 * apron);
-        let plane = dims[0] * dims[1];
-        let mut premultiplied = vec![0.0; plane * dims[2]];
-        let mut coverage = vec![
-            0.0;
-            if block.layout == Layout::Mixed {
-                plane * dims[2]
-            } else {
-                0
-            }
-        ];
-        // An absent coverage still needs a slice for each slab.
-        let coverage_plane = if coverage.is_empty() { 0 } else { plane };
-        let slabs = premultiplied.par_chunks_mut(plane * PART[2]).enumerate();
-        if coverage_plane == 0 {
-            slabs.for_each(|(n, values)| self.fill(n * PART[2], values, None));
-        } else {
-            slabs
-                .zip(coverage.par_chunks_mut(coverage_plane * PART[2]))
-                .for_each(|((n, values), coverage)| self.fill(n * PART[2], values, Some(coverage)));
+    /// The block's voxels in memory of their own.
+    fn alone(&self) -> BlockVoxels {
+        let mut numbers = vec![0.0; self.len()];
+        self.fill(&mut numbers);
+        self.voxels(&Arc::new(numbers.into()), 0)
+    }
+
+    fn dims(&self) -> [usize; 3] {
+        self.block.extent.map(|n| n + 2 * self.apron)
+    }
+
+    /// Numbers that its voxels take: values, and after them coverages where there are any.
+    fn len(&self) -> usize {
+        let voxels: usize = self.dims().iter().product();
+        match self.block.layout {
+            Layout::Mixed => 2 * voxels,
+            Layout::Covered | Layout::Uniform => voxels,
         }
+    }
+
+    /// The block's voxels, whose numbers begin at `start`.
+    fn voxels(&self, numbers: &Arc<Array<f32>>, start: usize) -> BlockVoxels {
+        let dims = self.dims();
+        let (middle, end) = (start + dims.iter().product::<usize>(), start + self.len());
         BlockVoxels {
             dims,
-            apron,
-            premultiplied,
-            coverage: (coverage_plane > 0).then_some(coverage),
+            apron: self.apron,
+            premultiplied: Part::new(numbers, start..middle),
+            coverage: (middle < end).then(|| Part::new(numbers, middle..end)),
+        }
+    }
+
+    /// Fills the block's numbers, slabs of it in parallel.
+    fn fill(&self, numbers: &mut [f32]) {
+        let [width, height, _] = self.dims();
+        let slab = width * height * PART[2];
+        let (values, coverages) = numbers.split_at_mut(self.dims().iter().product());
+        let slabs = values.par_chunks_mut(slab).enumerate();
+        if coverages.is_empty() {
+            slabs.for_each(|(n, values)| self.fill_slab(n * PART[2], values, None));
+        } else {
+            slabs
+                .zip(coverages.par_chunks_mut(slab))
+                .for_each(|((n, values), coverages)| self.fill_slab(n * PART[2], values, Some(coverages)));
         }
     }
 
     /// Fills the slab of planes from `plane` on, part by part.
-    fn fill(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
-        let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
+    fn fill_slab(&self, plane: usize, values: &mut [f32], mut coverage: Option<&mut [f32]>) {
+        let [width, height, _] = self.dims();
         let planes = plane..plane + values.len() / (width * height);
         // Stored columns before the first and after the last one evaluated repeat it.
         let before = self.apron.saturating_sub(self.block.origin[0]);
@@ -141,7 +193,7 @@ impl Filler<'_> {
             evaluator.fetch(path, &box_of([start, last]));
         }
         let [columns, rows, planes] = part;
-        let [width, height] = [0, 1].map(|axis| self.block.extent[axis] + 2 * self.apron);
+        let [width, height, _] = self.dims();
         for k in planes.clone() {
             for j in rows.clone() {
                 let row = ((k - planes.start) * height + j) * width;
@@ -199,12 +251,7 @@ const SMALL: usize = 1 << 22;
 impl<'a> VoxelTarget<'a> {
     /// Reconstructs every block, without aprons.
     pub fn new(target: &'a Target) -> Self {
-        let voxels = target
-            .blocks
-            .par_iter()
-            .map(|block| BlockVoxels::reconstruct(target, block, 0))
-            .collect();
-        Self::with(target, voxels)
+        Self::with(target, BlockVoxels::reconstruct_all(target))
     }
 
     /// The target with `voxels` for its blocks, which have no aprons.
