@@ -184,7 +184,7 @@ fn in_memory(what: &'static str, models: &[Model], limit: f64) -> Outcome<Compar
         anew.push(run);
         let (update, run) = timed(|| -> Outcome<_> {
             let update = target.updated(model, &target.subdivision)?;
-            let voxels = update.voxels(&target, std::mem::take(&mut voxels));
+            let voxels = update.voxels(&target, &voxels);
             Ok((update.target, voxels))
         });
         edits.push(run);
@@ -359,7 +359,7 @@ pub fn print_growth() -> Outcome<()> {
         let target = built(&model(0.0))?;
         let voxels = VoxelTarget::new(&target).voxels;
         let update = target.updated(&model(3.0), &target.subdivision)?;
-        Ok(update.voxels(&target, voxels))
+        Ok(update.voxels(&target, &voxels))
     })?;
     edited?;
     println!("{grown}");

@@ -41,26 +41,19 @@ impl Update {
         }
     }
 
-    /// The voxels of all blocks, without aprons, from those of the target before.
-    pub fn voxels(&self, before: &Target, mut voxels: Vec<BlockVoxels>) -> Vec<BlockVoxels> {
+    /// The voxels of all blocks, without aprons, from those of the target before. What is kept is not copied; blocks that were
+    /// made together lie in memory together, which lasts as long as one of them is kept.
+    pub fn voxels(&self, before: &Target, voxels: &[BlockVoxels]) -> Vec<BlockVoxels> {
         let earlier = Earlier {
             target: before,
-            voxels: &voxels,
+            voxels,
             changed: &self.changed,
         };
-        let made: Vec<Option<BlockVoxels>> = (self.target.blocks.par_iter().zip(&self.kept))
+        let blocks = self.target.blocks.par_iter().zip(&self.kept);
+        blocks
             .map(|(block, kept)| match kept {
-                Some(_) => None,
-                None => Some(BlockVoxels::reconstruct_after(&self.target, block, &earlier)),
-            })
-            .collect();
-        let kept = self.kept.iter().map(|kept| kept.map(|index| index as usize));
-        made.into_iter()
-            .zip(kept)
-            .map(|(made, kept)| match (made, kept) {
-                (Some(made), _) => made,
-                (None, Some(index)) => std::mem::take(&mut voxels[index]),
-                (None, None) => BlockVoxels::default(),
+                Some(index) => voxels[*index as usize].clone(),
+                None => BlockVoxels::reconstruct_after(&self.target, block, &earlier),
             })
             .collect()
     }

@@ -46,7 +46,7 @@ impl BlockVoxels {
             apron,
             earlier: None,
         };
-        filler.reconstruct()
+        filler.alone()
     }
 
     /// Reconstructs `block` without an apron, with what still holds of earlier voxels copied.
@@ -57,7 +57,7 @@ impl BlockVoxels {
             apron: 0,
             earlier: Some(earlier),
         };
-        filler.reconstruct()
+        filler.alone()
     }
 
     /// Reconstructs all blocks without aprons, in parallel, in memory that they share.
@@ -156,7 +156,8 @@ impl Filler<'_> {
         }
     }
 
-    fn reconstruct(&self) -> BlockVoxels {
+    /// The block's voxels in memory of their own.
+    fn alone(&self) -> BlockVoxels {
         let mut numbers = vec![0.0; self.len()];
         self.fill(&mut numbers);
         self.voxels(&Arc::new(numbers.into()), 0)

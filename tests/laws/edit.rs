@@ -306,7 +306,7 @@ impl Sequence {
             let edited = edit.apply(&tree, &before);
             let model = self.model(&edited, n);
             let update = update(&target, &model);
-            voxels = update.voxels(&target, voxels);
+            voxels = update.voxels(&target, &voxels);
             target = update.target;
             let anew = Target::on_lattice(&model, lattice, &self.subdivision).expect("a small target");
             same(&target, &voxels, &anew).map_err(|what| format!("edit {n}, {:?}: {what}", edit.kind))?;
@@ -343,11 +343,11 @@ fn same(target: &Target, voxels: &[BlockVoxels], anew: &Target) -> Result<(), St
 
 fn same_voxels(found: &BlockVoxels, truth: &BlockVoxels) -> Result<(), String> {
     let equal = |a: &[f32], b: &[f32]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_bits(*a, *b));
-    let coverage = |v: &BlockVoxels| v.coverage.clone().unwrap_or_default();
+    let [found_coverage, true_coverage] = [found, truth].map(|v| v.coverage.as_deref().unwrap_or(&[]));
     if found.dims != truth.dims || found.apron != truth.apron {
         return Err(format!("{:?} voxels, not {:?}", found.dims, truth.dims));
     }
-    if !equal(&found.premultiplied, &truth.premultiplied) || !equal(&coverage(found), &coverage(truth)) {
+    if !equal(&found.premultiplied, &truth.premultiplied) || !equal(found_coverage, true_coverage) {
         return Err("other voxels".into());
     }
     let colors = |v: &BlockVoxels| v.rgb().map(|rgb| rgb.as_flattened().to_vec());
