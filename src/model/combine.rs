@@ -204,7 +204,17 @@ pub(super) fn weighted(alone: [(f32, f32); 2], both: (f32, f32)) -> f32 {
         return value;
     }
     let part = |(weight, value): (f32, f32)| if weight > 0.0 { weight * value } else { 0.0 };
-    (part(first) + part(second) + part(both)) / (first.0 + second.0 + both.0)
+    let mean = (part(first) + part(second) + part(both)) / (first.0 + second.0 + both.0);
+    // Weights too small for their products to be precise must not lead beyond the values.
+    let ends = [first, second, both].into_iter().filter(|part| part.0 > 0.0);
+    let hull = ends.fold(Interval::EMPTY, |hull, part| hull.hull(Interval::point(part.1)));
+    if mean < hull.lo {
+        hull.lo
+    } else if mean > hull.hi {
+        hull.hi
+    } else {
+        mean
+    }
 }
 
 /// The values that each operand can show where the other is not full.
