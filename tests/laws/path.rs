@@ -6,7 +6,7 @@ use vcsg::math::Interval;
 use vcsg::model::{Boundary, Operator, Step, Tree};
 use vcsg::target::{Block, BlockVoxels, OctreeNode, Subdivision, Target};
 
-use crate::support::scenes::{Scene, crisp_scene, scene, subdivision};
+use crate::support::scenes::{Scene, crisp_scene, deformed_scene, scene, subdivision};
 use crate::support::{cases, seeded};
 
 /// Whether two numbers have the same bits. All NaN count as one: Rust leaves the bits of a computed NaN open.
@@ -95,6 +95,15 @@ proptest! {
 
     #[test]
     fn every_block_follows_the_tree(scene in scene(), subdivision in subdivision(Boundary::Exact)) {
+        let target = scene.target(&subdivision);
+        prop_assert_eq!(blocks_follow(&target, &target.tree), Ok(()));
+    }
+
+    #[test]
+    fn every_block_of_what_is_deformed_follows_the_tree(
+        scene in deformed_scene(),
+        subdivision in subdivision(Boundary::Exact),
+    ) {
         let target = scene.target(&subdivision);
         prop_assert_eq!(blocks_follow(&target, &target.tree), Ok(()));
     }

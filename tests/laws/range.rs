@@ -9,7 +9,7 @@ use vcsg::volume::{Sample, SampleRange};
 
 use crate::path::{same_bits, voxels};
 use crate::support::cases;
-use crate::support::scenes::{scene, subdivision};
+use crate::support::scenes::{deformed_scene, scene, subdivision};
 
 /// `path` at `p`, believing what it says: a leaf known to hold the point is not tested again.
 fn run(tree: &Tree, path: &[Step], p: DVec3) -> Sample {
@@ -136,7 +136,7 @@ proptest! {
     #![proptest_config(cases(300))]
 
     #[test]
-    fn pruned_paths_and_their_ranges_hold(scene in scene(), regions in prop::collection::vec(region(), 4)) {
+    fn pruned_paths_and_their_ranges_hold(scene in prop_oneof![scene(), deformed_scene()], regions in prop::collection::vec(region(), 4)) {
         let tree = Tree::new(&scene.model, &scene.lattice.world_from_lattice).expect("a small tree");
         let bounds = scene.lattice.bounds();
         for (region, points) in regions {

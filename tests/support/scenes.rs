@@ -229,6 +229,13 @@ pub fn value_scene() -> impl Strategy<Value = Scene> {
     scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed(), 1)
 }
 
+/// Random scenes that are deformed as a whole.
+pub fn deformed_scene() -> impl Strategy<Value = Scene> {
+    let primitive = prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed();
+    let whole = tree(parts::placement().boxed(), primitive, true, 1);
+    (whole, landmarks::landmarks()).prop_map(|(part, landmarks)| Scene::new(Part::Deform(Box::new(part), landmarks)))
+}
+
 /// Random scenes in which nothing is deformed.
 pub fn undeformed_scene() -> impl Strategy<Value = Scene> {
     scene_of(prop_oneof![2 => parts::crisp(), 3 => parts::soft()].boxed(), 0)
