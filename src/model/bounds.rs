@@ -87,6 +87,15 @@ impl Tree {
         stack.pop().unwrap_or(Aabb::EMPTY)
     }
 
+    /// The box of the frame beyond which leaf `index` surely gives nothing.
+    pub(super) fn reach_of_leaf(&self, index: u32) -> Aabb {
+        let leaf = self.leaf(index);
+        match self.outermost_below(None, leaf.space) {
+            None => leaf.frame_bounds,
+            Some(warp) => rounded_out(&warp.domain),
+        }
+    }
+
     fn leaf_bounds(&self, index: u32, space: Space, space_from_frame: &DAffine3) -> Aabb {
         let leaf = self.leaf(index);
         match self.outermost_below(space, leaf.space) {
@@ -107,6 +116,12 @@ impl Leaf {
             Source::Volume(_) | Source::Mask(_) => self.local_bounds.transformed(&local_from_frame.inverse()),
         }
     }
+}
+
+/// A box expanded by far more than the rounding of a mapped point, and far less than a voxel.
+pub(super) fn rounded_out(bounds: &Aabb) -> Aabb {
+    let slack = 1e-9 * (1.0 + bounds.min.abs().max(bounds.max.abs()).max_element());
+    bounds.expand(DVec3::splat(slack))
 }
 
 /// The box of a solid in its own frame.

@@ -118,7 +118,7 @@ impl<'a> Side<'a> {
     fn leaf_boxes(&self, root: usize) -> impl Iterator<Item = Aabb> {
         let steps = &self.tree.steps()[self.starts[root]..=root];
         steps.iter().filter_map(|step| match step {
-            Step::Leaf(i) | Step::LeafInside(i) => Some(self.tree.leaf(*i).frame_bounds),
+            Step::Leaf(i) | Step::LeafInside(i) => Some(self.tree.reach_of_leaf(*i)),
             _ => None,
         })
     }

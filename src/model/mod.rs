@@ -5,6 +5,7 @@ mod changes;
 mod color;
 mod combine;
 pub mod deform;
+mod flatten;
 mod lut;
 mod mask;
 mod node;

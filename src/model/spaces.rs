@@ -6,7 +6,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::deform::{Frame, Morph, Region, Table, Warp, WarpReport};
-use super::tree::{Sampling, Visit};
+use super::flatten::{Sampling, Visit};
 use super::{Node, Step, Tree, TreeError};
 use crate::math::{Aabb, affine};
 

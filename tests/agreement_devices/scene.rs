@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3};
 use vcsg::math::{Aabb, Interval, Plane};
 use vcsg::model::deform::{Landmark, Morph, Smoothness, Spline};
-use vcsg::model::{BooleanOp, Combine, Family, Model, Node, ValueRule, VolumeLeaf};
+use vcsg::model::{BooleanOp, Combine, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use vcsg::projection::{
     Camera, ControlPoint, DepthCue, FrameSpec, Light, Material, Mode, Projection, Settings, Shading, TransferFunction,
     View,
@@ -130,15 +130,6 @@ impl Recipe {
             radius: size.min_element() * 0.4,
         };
         let ball = Node::Primitive(Primitive::soft(ball, 150.0));
-        let combine = |op, rule, first, second| {
-            Node::Combine(Combine {
-                op,
-                rule,
-                family: Family::MinMax,
-                first,
-                second,
-            })
-        };
         match self.content {
             Content::Volume => {}
             Content::Turned => {
@@ -287,6 +278,16 @@ fn transfer(random: &mut Random, unit_mm: f64) -> TransferFunction {
         point(220.0, [0.02, 0.3]),
     ];
     TransferFunction::new(points, unit_mm).expect("rising values")
+}
+
+fn combine(op: BooleanOp, rule: ValueRule, first: NodeId, second: NodeId) -> Node {
+    Node::Combine(Combine {
+        op,
+        rule,
+        family: Family::MinMax,
+        first,
+        second,
+    })
 }
 
 /// Each corner of `bounds` goes up to a twelfth of its size along each axis.

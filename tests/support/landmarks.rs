@@ -50,8 +50,10 @@ pub fn landmarks() -> impl Strategy<Value = Landmarks> {
     let stiffness = prop_oneof![2 => Just(0.0), 1 => 0.0f64..5.0];
     let support = prop_oneof![2 => Just(None), 1 => (4.0f64..30.0).prop_map(Some)];
     let error = prop_oneof![2 => Just(0.1), 1 => 0.01f64..2.0];
-    (pairs, stiffness, support, error).prop_map(|(pairs, stiffness, support_mm, error_voxels)| Landmarks {
-        pairs,
+    // Two that begin in one place would tear it.
+    let apart = |(n, (from, by)): (usize, (DVec3, DVec3))| (from + DVec3::X * 0.01 * n as f64, by);
+    (pairs, stiffness, support, error).prop_map(move |(pairs, stiffness, support_mm, error_voxels)| Landmarks {
+        pairs: pairs.into_iter().enumerate().map(apart).collect(),
         smoothness: Smoothness { stiffness, support_mm },
         error_voxels,
     })
