@@ -7,7 +7,7 @@
 //! for leaves, where it decides. A subtraction that keeps the first operand's extent is bounded in the same way. A deformed
 //! box is not estimated from the images of samples of its faces: each is a patch, whose image is bounded.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::{BooleanOp, FramePlane, Leaf, Model, Node, NodeId, Source, Space, Step, Tree};
 use crate::math::Aabb;

@@ -219,7 +219,7 @@ fn sequence() -> impl Strategy<Value = Sequence> {
     let edits = prop::collection::vec(edit(), EDITS);
     let bounds = Aabb::new(DVec3::splat(-8.0), DVec3::splat(10.0));
     let morph = landmarks().prop_map(move |landmarks| Arc::new(landmarks.morph(&bounds)));
-    let morphs = prop_oneof![2 => Just(vec![]).boxed(), 1 => prop::collection::vec(morph, 2).boxed()];
+    let morphs = prop_oneof![6 => Just(vec![]).boxed(), 1 => prop::collection::vec(morph, 2).boxed()];
     let all = (undeformed_scene(), blend, morphs, balls, subdivision, edits);
     all.prop_map(|(scene, blend, morphs, balls, subdivision, edits)| Sequence {
         scene,
