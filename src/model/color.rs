@@ -66,7 +66,8 @@ impl Classifier {
             return ColorSample::EMPTY;
         }
         let (rgb, opacity) = self.transfer.evaluate(s.value);
-        let value = self.over_unit(opacity);
+        // What overflow made no number shows nothing.
+        let value = if s.value.is_nan() { 0.0 } else { self.over_unit(opacity) };
         ColorSample {
             sample: Sample { value, ..s },
             // Linear interpolation of colours up to 1 may round beyond.
@@ -93,7 +94,11 @@ impl Classifier {
             .filter(|p| range.contains(p.value))
             .map(|p| self.over_unit(p.opacity));
         let ends = Interval::new(opacity(range.lo), opacity(range.hi));
-        let hull = inner.map(Interval::point).fold(ends, Interval::hull);
+        let mut hull = inner.map(Interval::point).fold(ends, Interval::hull);
+        if !(range.lo.is_finite() && range.hi.is_finite()) {
+            // Values that overflow may be no numbers.
+            hull = hull.hull(Interval::point(0.0));
+        }
         // A step between two points of one value is one of them; a difference, a product and a sum round between others, and a
         // power in double precision once more.
         if hull.is_point() {

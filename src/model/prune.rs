@@ -164,7 +164,8 @@ impl Pruner<'_> {
             overlap => overlap,
         };
         match (overlap, self.decider) {
-            (Overlap::Partial, Some(point)) => leaf.side_of(self.tree.in_space(leaf.space, point)),
+            // Where nothing is deformed to, nothing can be filled.
+            (Overlap::Partial, Some(point)) if !region.beyond => leaf.side_of(self.tree.in_space(leaf.space, point)),
             (overlap, _) => overlap,
         }
     }

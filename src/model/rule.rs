@@ -54,12 +54,14 @@ impl ValueRule {
     /// A conservative image of two ranges. Most rules are monotone in each argument, so that corners tell it exactly.
     pub fn range(&self, r1: Interval, r2: Interval) -> Interval {
         let corners = r1.map_corners(r2, |a, b| self.apply(a, b));
+        // Corners may round alike where what lies between them does not.
+        let is_exact = r1.is_point() && r2.is_point();
         match self {
             Self::Table(lut) => lut.range(r1, r2),
             Self::AbsoluteDifference if !r1.intersect(r2).is_empty() => corners.hull(Interval::point(0.0)),
             Self::Quotient if r2.contains(0.0) && !r1.is_empty() => Interval::ALL,
-            Self::AlgebraicSum if !corners.is_point() => widened_by_terms(corners, r1, r2),
-            Self::Over | Self::In | Self::Out | Self::Atop | Self::Xor if !corners.is_point() => {
+            Self::AlgebraicSum if !is_exact => widened_by_terms(corners, r1, r2),
+            Self::Over | Self::In | Self::Out | Self::Atop | Self::Xor if !is_exact => {
                 widened_by_terms(corners, r1, r2)
             }
             _ => corners,

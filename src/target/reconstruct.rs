@@ -400,7 +400,10 @@ impl Row {
     fn fill_inside_at(&mut self, leaf: &Leaf, points: &Points) {
         match &leaf.source {
             Source::Volume(volume) => self.fill_from(leaf, volume, points),
-            Source::Mask(_) => self.fill_at(leaf, points),
+            Source::Mask(_) => {
+                let local = |n: usize| affine::point(&leaf.local_from_frame, points.get(n));
+                self.update(|n, _| leaf.sample_inside(local(n)));
+            }
             Source::Primitive(placed) => {
                 self.value.fill(placed.value());
                 self.coverage.fill(1.0);
