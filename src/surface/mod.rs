@@ -24,6 +24,7 @@ mod solid;
 mod sound;
 mod subset;
 mod texture;
+mod ties;
 pub mod trilinear;
 mod vertices;
 mod view;
