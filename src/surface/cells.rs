@@ -2,9 +2,12 @@
 //!
 //! *Practice.* Where a cell's edges end on voxels of the isovalue, their vertices are those voxels' ([`ties`](super::ties)).
 
+use std::ops::Range;
+
+use super::bits::{SliceBits, clear_beyond};
 use super::cases::{CASES, Case, MAX_TRIANGLES};
 use super::crossings::Crossings;
-use super::inside::{InsideRows, SliceBits};
+use super::inside::InsideRows;
 use super::numbering::{Numbering, OwnVertices, SLOTS, STEPS, Vertices};
 use super::ties::{COUNTS, TIED_CASES, way};
 
@@ -13,20 +16,27 @@ use super::ties::{COUNTS, TIED_CASES, way};
 pub(super) struct Cells {
     /// Those with corners both inside and outside.
     pub active: Vec<u64>,
+    /// All rows with any are among these.
+    rows: Range<usize>,
 }
 
 impl Cells {
     /// Finds those between slices `k` and `k + 1`.
     pub fn find(&mut self, rows: &InsideRows, k: usize) {
         let row = rows.words_a_row();
-        let words = row * (rows.dims[1] - 1);
-        let [lower, upper] = [rows.inside(k), rows.inside(k + 1)];
-        self.active.resize(words, 0);
+        let height = rows.dims[1] - 1;
+        let inside = rows.rows_inside(k, k + 1);
+        let found = inside.start.saturating_sub(1)..inside.end.min(height);
+        self.active.resize(row * height, 0);
+        clear_beyond(&mut self.active, row, &self.rows, &found);
+        let first = found.start * row;
+        let [lower, upper] = [rows.inside(k).skip(first), rows.inside(k + 1).skip(first)];
         find_mixed(
             [lower, lower.skip(row), upper, upper.skip(row)],
-            rows.starts(),
-            &mut self.active,
+            &rows.starts()[first..],
+            &mut self.active[first..found.end * row],
         );
+        self.rows = found;
     }
 }
 
@@ -150,7 +160,7 @@ impl Iterator for SetBits {
 pub(super) fn count(rows: &InsideRows, k: usize, cells: &Cells) -> u64 {
     let words_a_row = rows.words_a_row();
     let mut count = 0;
-    for j in 0..rows.dims[1] - 1 {
+    for j in cells.rows.clone() {
         for w in 0..words_a_row {
             let active = cells.active[j * words_a_row + w];
             if active == 0 {
@@ -178,7 +188,7 @@ pub(super) fn connect(
     let words_a_row = rows.words_a_row();
     let has_ties = rows.has_on(k) || rows.has_on(k + 1);
     let mut rest = triangles;
-    for j in 0..rows.dims[1] - 1 {
+    for j in cells.rows.clone() {
         let first = j * words_a_row;
         if cells.active[first..][..words_a_row].iter().all(|word| *word == 0) {
             continue;
@@ -186,7 +196,10 @@ pub(super) fn connect(
         let mut numbering = Numbering::new(crossings, j);
         for w in 0..words_a_row {
             let active = cells.active[first + w];
-            if active == 0 && !has_ties {
+            if active == 0 {
+                if has_ties {
+                    numbering.end_word(&OwnVertices::of(crossings, j, w));
+                }
                 continue;
             }
             let inside = Corners::inside(rows, [w, j, k]);

@@ -1,6 +1,7 @@
 //! Surfaces of constant value as triangle meshes, on the processor (LC87).
 
 mod assemble;
+mod bits;
 mod blocks;
 mod cases;
 mod cell;
