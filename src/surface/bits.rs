@@ -61,20 +61,17 @@ impl SliceRows {
         self.rows = 0..0;
     }
 
-    /// Compares the slice's `voxels`, when it is clear. The surface may go through any that are inside.
+    /// Compares the slice's `voxels`, when it is clear. Of none is it known that the surface goes through it.
     pub fn classify<T: Voxel>(&mut self, voxels: &[T], smallest_inside: T) {
         classify(voxels, self.width, smallest_inside, &mut self.inside);
         let rows = self.inside.chunks_exact(self.width.div_ceil(64));
         for (row, sets) in rows.zip(&mut self.sets) {
             *sets = WordSets::of(row, self.width);
         }
-        let is_there = |sets: &WordSets| *sets != WordSets::OUTSIDE;
-        if let (Some(first), Some(last)) = (
-            self.sets.iter().position(is_there),
-            self.sets.iter().rposition(is_there),
-        ) {
-            self.rows = first..last + 1;
-        }
+        let has_inside = |sets: &WordSets| *sets != WordSets::OUTSIDE;
+        let first = self.sets.iter().position(has_inside).unwrap_or(0);
+        let end = self.sets.iter().rposition(has_inside).map_or(0, |last| last + 1);
+        self.rows = first..end;
     }
 
     /// Takes the bits from `kept`, when it is clear.

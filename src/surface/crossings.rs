@@ -75,15 +75,10 @@ impl Crossings {
 
     /// Numbers them from `first` on, row after row and kind after kind.
     pub fn number(&mut self, first: u32) {
-        let Range { start, end } = self.rows;
-        self.numbers[..start].fill([first; KINDS]);
-        let next = number(
-            &self.kinds,
-            self.words_a_row,
-            first,
-            (&mut self.numbers[start..end], start),
-        );
-        self.numbers[end..].fill([next; KINDS]);
+        let rows = self.rows.clone();
+        self.numbers[..rows.start].fill([first; KINDS]);
+        let next = number(&self.kinds, self.words_a_row, rows.clone(), first, &mut self.numbers);
+        self.numbers[rows.end..].fill([next; KINDS]);
     }
 
     /// The vertices of `kind` in word `w` of row `j`.
@@ -138,13 +133,14 @@ fn count_ones(bits: &[u64]) -> u64 {
 fn number(
     kinds: &[Vec<u64>; KINDS],
     words_a_row: usize,
+    rows: Range<usize>,
     first: u32,
-    (numbers, first_row): (&mut [RowNumbers], usize),
+    numbers: &mut [RowNumbers],
 ) -> u32 {
     let mut next = first;
-    for (j, row) in (first_row..).zip(numbers) {
+    for j in rows {
         for kind in 0..KINDS {
-            row[kind] = next;
+            numbers[j][kind] = next;
             for word in &kinds[kind][j * words_a_row..][..words_a_row] {
                 // Wraps only where there is an error in the end.
                 next = next.wrapping_add(word.count_ones());

@@ -5,7 +5,7 @@
 //! an edge is crossed its two ends differ, so crossings are an exclusive or of rows, and counting set bits numbers them.
 //! *Practice.* The isovalue is turned into the smallest value of the voxels' own type that is inside, so that voxels are
 //! compared as they are. Bits are held for a few slices only. Of the others no more is kept than the words through which
-//! the surface goes ([`words`](super::words)), so that a second pass compares no voxels but those of the isovalue.
+//! the surface goes ([`words`](super::words)), so that a second pass compares no voxels.
 
 use std::ops::Range;
 
@@ -296,6 +296,45 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_moves_holds_what_stays_does() {
+        let dims = [70, 6, 40];
+        // Slices and rows without voxels inside between others, and many voxels of the isovalue.
+        let field = |n: usize| match [n / (70 * 6) % 7, n / 70 % 3] {
+            [0 | 1, _] | [2, 0] => 0,
+            [3, _] => 5 + n % 2,
+            _ => (n * 37 + n * n) % 11,
+        };
+        let voxels: Vec<u16> = (0..70 * 6 * 40).map(|n| field(n) as u16).collect();
+        let slices = Slices {
+            voxels: &voxels,
+            first_slice: 0,
+            dims,
+        };
+        let classifier = Classifier::new(slices, 5.0, Ties::OneVertex);
+        let all = InsideRows::of(&classifier, 0..40);
+        let words: Vec<SliceWords> = (0..30).map(|k| all.words_of(k)).collect();
+        for known in [&words[..0], &words] {
+            let known = Known {
+                first_slice: 0,
+                slices: known,
+            };
+            let mut moved = InsideRows::new(dims);
+            for held in [0..7, 3..11, 8..12, 20..33, 29..34, 33..40] {
+                moved.move_to(&classifier, held.clone(), known);
+                for k in held.clone() {
+                    assert_eq!(moved.inside(k).0, all.inside(k).0, "{held:?}, slice {k}");
+                }
+                let settled = held.start + usize::from(held.start > 0)..held.end - usize::from(held.end < 40);
+                for k in settled {
+                    assert_eq!(moved.on(k).0, all.on(k).0, "{held:?}, slice {k}");
+                    assert_eq!(moved.has_on(k), all.on(k).0.iter().any(|word| *word != 0));
+                }
+            }
+        }
+        assert!((0..40).any(|k| all.has_on(k)) && (0..40).any(|k| all.rows_inside(k, k).is_empty()));
     }
 
     #[test]
