@@ -81,7 +81,7 @@ const fn corners(way: usize) -> [usize; 2] {
     let (mut corner, mut rest) = (0, way);
     while corner < 8 {
         inside |= (rest % 3).div_ceil(2) << corner;
-        on |= rest % 3 / 2 << corner;
+        on |= (rest % 3 / 2) << corner;
         rest /= 3;
         corner += 1;
     }
