@@ -1,60 +1,42 @@
 //! Cells: which of them the surface runs through, their cases, and which vertices their triangles have (LC87 §4, step 4).
 //!
-//! *Practice.* Where a cell's edges end on voxels of the isovalue, their vertices are those voxels'. A triangle of which two
-//! corners became one is left out, as vtkMarchingCubes does.
+//! *Practice.* Where a cell's edges end on voxels of the isovalue, their vertices are those voxels' ([`ties`](super::ties)).
 
+use std::ops::Range;
+
+use super::bits::{SliceBits, clear_beyond};
 use super::cases::{CASES, Case, MAX_TRIANGLES};
-use super::cell::edge_corners;
 use super::crossings::Crossings;
-use super::inside::{InsideRows, SliceBits};
-use super::numbering::{Numbering, OwnVertices, PLACES, SLOTS, STEPS, Vertices};
+use super::inside::InsideRows;
+use super::numbering::{Numbering, OwnVertices, SLOTS, STEPS, Vertices};
+use super::ties::{COUNTS, TIED_CASES, way};
 
 /// The cells between two slices, one bit each, row after row as of voxels.
 #[derive(Default)]
 pub(super) struct Cells {
     /// Those with corners both inside and outside.
     pub active: Vec<u64>,
-    /// Those with a corner that the surface goes through.
-    through: Vec<u64>,
-    /// Whether there may be any.
-    has_through: bool,
+    /// All rows with any are among these.
+    rows: Range<usize>,
 }
 
 impl Cells {
     /// Finds those between slices `k` and `k + 1`.
     pub fn find(&mut self, rows: &InsideRows, k: usize) {
         let row = rows.words_a_row();
-        let words = row * (rows.dims[1] - 1);
-        let round = |[lower, upper]: [SliceBits<'_>; 2],
-                     find: fn([SliceBits<'_>; 4], &[u64], &mut [u64]),
-                     out: &mut Vec<u64>| {
-            out.resize(words, 0);
-            find([lower, lower.skip(row), upper, upper.skip(row)], rows.starts(), out);
-        };
-        round([rows.inside(k), rows.inside(k + 1)], find_mixed, &mut self.active);
-        self.has_through = rows.has_on(k) || rows.has_on(k + 1);
-        if self.has_through {
-            round([rows.on(k), rows.on(k + 1)], find_any, &mut self.through);
-        }
-    }
-
-    /// The cells of word `n` that have a corner both inside and outside, and those the surface goes through a corner of.
-    #[inline(always)]
-    fn word(&self, n: usize) -> [u64; 2] {
-        [self.active[n], if self.has_through { self.through[n] } else { 0 }]
-    }
-}
-
-/// The cells with any corner, of the four rows of voxels round each row of them.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn find_any(rows: [SliceBits<'_>; 4], starts: &[u64], out: &mut [u64]) {
-    let words = out.len();
-    let [a, b, c, d] = rows.map(|bits| &bits.0[..words]);
-    let [a1, b1, c1, d1] = rows.map(|bits| &bits.0[1..][..words]);
-    let starts = &starts[..words];
-    for n in 0..words {
-        let (any, any_after) = (a[n] | b[n] | c[n] | d[n], a1[n] | b1[n] | c1[n] | d1[n]);
-        out[n] = (any | any >> 1 | any_after << 63) & starts[n];
+        let height = rows.dims[1] - 1;
+        let inside = rows.rows_inside(k, k + 1);
+        let found = inside.start.saturating_sub(1)..inside.end.min(height);
+        self.active.resize(row * height, 0);
+        clear_beyond(&mut self.active, row, &self.rows, &found);
+        let first = found.start * row;
+        let [lower, upper] = [rows.inside(k).skip(first), rows.inside(k + 1).skip(first)];
+        find_mixed(
+            [lower, lower.skip(row), upper, upper.skip(row)],
+            &rows.starts()[first..],
+            &mut self.active[first..found.end * row],
+        );
+        self.rows = found;
     }
 }
 
@@ -178,76 +160,20 @@ impl Iterator for SetBits {
 pub(super) fn count(rows: &InsideRows, k: usize, cells: &Cells) -> u64 {
     let words_a_row = rows.words_a_row();
     let mut count = 0;
-    for j in 0..rows.dims[1] - 1 {
+    for j in cells.rows.clone() {
         for w in 0..words_a_row {
-            let [active, through] = cells.word(j * words_a_row + w);
+            let active = cells.active[j * words_a_row + w];
             if active == 0 {
                 continue;
             }
             let inside = Corners::inside(rows, [w, j, k]);
-            for i in SetBits(active & !through) {
-                count += u64::from(CASES[inside.of_cell(i)].count);
-            }
-            if active & through != 0 {
-                let on = Corners::on(rows, [w, j, k]);
-                for i in SetBits(active & through) {
-                    count += u64::from(count_through(&CASES[inside.of_cell(i)], on.of_cell(i)));
-                }
+            let on = Corners::on(rows, [w, j, k]);
+            for i in SetBits(active) {
+                count += u64::from(COUNTS[way(inside.of_cell(i), on.of_cell(i))]);
             }
         }
     }
     count
-}
-
-/// How many triangles a case makes where the surface goes through the corners `on`.
-#[inline(always)]
-fn count_through(case: &Case, on: usize) -> u32 {
-    let mut count = 0;
-    // Those beyond the case's own are of one edge.
-    for edges in &case.triangles {
-        count += u32::from(is_whole(places(edges, on)));
-    }
-    count
-}
-
-/// The place of the vertex on each edge, where the surface goes through the corners that the index has bits for.
-static PLACE_OF_EDGE: [[u8; 16]; 256] = {
-    let mut places = [[0; 16]; 256];
-    let mut n = 0;
-    while n < 256 * 12 {
-        let (on, edge) = (n / 12, n % 12);
-        let [a, b] = edge_corners(edge as u8);
-        places[on][edge] = if on >> a & 1 == 1 {
-            12 + a
-        } else if on >> b & 1 == 1 {
-            12 + b
-        } else {
-            edge as u8
-        };
-        n += 1;
-    }
-    places
-};
-
-/// The places of a triangle's vertices that lie on `edges`, where the surface goes through the corners `on`.
-#[inline(always)]
-fn places(edges: &[u8; 3], on: usize) -> [u8; 3] {
-    let places = &PLACE_OF_EDGE[on % 256];
-    edges.map(|e| places[usize::from(e) % 16])
-}
-
-/// The triangles of a case, by place, where the surface goes through the corners `on`.
-pub(super) fn triangles_through(case: &Case, on: usize) -> impl Iterator<Item = [u8; 3]> {
-    let triangles = case.triangles[..usize::from(case.count)].iter();
-    triangles
-        .map(move |edges| places(edges, on))
-        .filter(|places| is_whole(*places))
-}
-
-/// Whether no two corners are one.
-#[inline(always)]
-pub(super) fn is_whole<V: PartialEq>([a, b, c]: [V; 3]) -> bool {
-    a != b && b != c && c != a
 }
 
 /// Writes the triangles of the `cells` between slices `k` and `k + 1`, whose vertices are `crossings`.
@@ -260,24 +186,28 @@ pub(super) fn connect(
     triangles: &mut [[u32; 3]],
 ) {
     let words_a_row = rows.words_a_row();
+    let has_ties = rows.has_on(k) || rows.has_on(k + 1);
     let mut rest = triangles;
-    for j in 0..rows.dims[1] - 1 {
+    for j in cells.rows.clone() {
         let first = j * words_a_row;
         if cells.active[first..][..words_a_row].iter().all(|word| *word == 0) {
             continue;
         }
         let mut numbering = Numbering::new(crossings, j);
         for w in 0..words_a_row {
-            let [active, through] = cells.word(first + w);
-            if active == 0 && !cells.has_through {
+            let active = cells.active[first + w];
+            if active == 0 {
+                if has_ties {
+                    numbering.end_word(&OwnVertices::of(crossings, j, w));
+                }
                 continue;
             }
             let inside = Corners::inside(rows, [w, j, k]);
-            if !cells.has_through {
+            if !has_ties {
                 for i in SetBits(active) {
                     let case = inside.of_cell(i);
                     numbering.step_over_cell(&STEPS[case]);
-                    let written = write_all(rest, &SLOT_CASES[case], &numbering.vertices);
+                    let written = write(rest, &SLOT_CASES[case], &numbering.vertices);
                     rest = &mut rest[written..];
                 }
                 continue;
@@ -285,14 +215,9 @@ pub(super) fn connect(
             let on = Corners::on(rows, [w, j, k]);
             let own = OwnVertices::of(crossings, j, w);
             for i in SetBits(active) {
-                let case = inside.of_cell(i);
-                let written = if through >> i & 1 == 0 {
-                    numbering.step_over_cell(&STEPS[case]);
-                    write_all(rest, &SLOT_CASES[case], &numbering.vertices)
-                } else {
-                    let vertices = numbering.next_places(&own, i);
-                    write_through(rest, &CASES[case], on.of_cell(i), &vertices)
-                };
+                numbering.step_over_tied(&own, i);
+                let case = &TIED_CASES[way(inside.of_cell(i), on.of_cell(i))];
+                let written = write(rest, case, &numbering.vertices);
                 rest = &mut rest[written..];
             }
             numbering.end_word(&own);
@@ -312,9 +237,9 @@ static SLOT_CASES: [Case; 256] = {
     cases
 };
 
-/// Writes the triangles of a case, none of whose vertices are one, and returns how many there are.
+/// Writes the triangles of a case, and returns how many there are.
 #[inline(always)]
-fn write_all(room: &mut [[u32; 3]], case: &Case, vertices: &Vertices) -> usize {
+fn write(room: &mut [[u32; 3]], case: &Case, vertices: &Vertices) -> usize {
     let count = usize::from(case.count);
     let corner = |slot: u8| vertices[usize::from(slot) % vertices.len()];
     // What is too much is overwritten by the next cell: that is faster than a loop of unknown length.
@@ -326,25 +251,4 @@ fn write_all(room: &mut [[u32; 3]], case: &Case, vertices: &Vertices) -> usize {
         }
     }
     count
-}
-
-/// [`write_all`] for a case where the surface goes through the corners `on`: writes the triangles of which no two vertices are
-/// one.
-#[inline(always)]
-fn write_through(room: &mut [[u32; 3]], case: &Case, on: usize, vertices: &[u32; PLACES]) -> usize {
-    let Some(room) = room.first_chunk_mut::<MAX_TRIANGLES>() else {
-        let mut written = 0;
-        for (triangle, places) in room.iter_mut().zip(triangles_through(case, on)) {
-            *triangle = places.map(|place| vertices[usize::from(place)]);
-            written += 1;
-        }
-        return written;
-    };
-    let mut written = 0;
-    for edges in &case.triangles {
-        let places = places(edges, on);
-        room[written % MAX_TRIANGLES] = places.map(|place| vertices[usize::from(place) % PLACES]);
-        written += usize::from(is_whole(places));
-    }
-    written
 }

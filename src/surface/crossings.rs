@@ -6,10 +6,13 @@
 //! that are crossed, so an edge's vertex is its row's first one plus the number of crossed edges before it in the row: the
 //! set bits below it. All slices can then be worked on at once.
 //! *Practice.* A voxel of the isovalue itself takes the vertices of all its crossed edges together: it has a vertex of its own,
-//! and they have none. Bits of whole slices are combined at a time, in wide registers; that costs less than to find out where
-//! nothing is crossed.
+//! and they have none. Bits of many rows are combined at a time, in wide registers; that costs less than to find out where
+//! nothing is crossed. Only rows before the first and after the last with a voxel inside are left out.
 
-use super::inside::{InsideRows, SliceBits};
+use std::ops::Range;
+
+use super::bits::{SliceBits, clear_beyond};
+use super::inside::InsideRows;
 
 /// The kinds of vertices: on x, y and z edges, and others.
 pub(super) const KINDS: usize = 4;
@@ -25,6 +28,8 @@ pub(super) struct Crossings {
     /// For each kind, row after row.
     kinds: [Vec<u64>; KINDS],
     words_a_row: usize,
+    /// All rows with any are among these.
+    pub rows: Range<usize>,
     /// Of each row.
     pub numbers: Vec<RowNumbers>,
 }
@@ -36,6 +41,7 @@ impl Crossings {
         Self {
             kinds: std::array::from_fn(|_| vec![0; words_a_row * dims[1]]),
             words_a_row,
+            rows: 0..0,
             numbers: vec![[0; KINDS]; dims[1]],
         }
     }
@@ -43,28 +49,36 @@ impl Crossings {
     /// Finds those of slice `k`, without their numbers. No edge leads on from the last slice that is held.
     pub fn find(&mut self, rows: &InsideRows, k: usize) {
         let above = (k + 1).min(rows.slices.end - 1);
+        let inside = rows.rows_inside(k, above);
+        let found = inside.start.saturating_sub(1)..inside.end;
+        for kind in &mut self.kinds {
+            clear_beyond(kind, self.words_a_row, &self.rows, &found);
+        }
+        let row = self.words_a_row;
+        let words = found.start * row..found.end * row;
+        let (first, but_last) = (words.start, words.start..words.end.min((rows.dims[1] - 1) * row));
         let [x, y, z, on] = &mut self.kinds;
-        let [from, from_on] = [rows.inside(k), rows.on(k)];
-        across_x(from, from_on, rows.starts(), x);
-        let (row, all_but_last) = (self.words_a_row, y.len() - self.words_a_row);
-        across(
-            [from, from.skip(row)],
-            [from_on, from_on.skip(row)],
-            &mut y[..all_but_last],
-        );
-        across([from, rows.inside(above)], [from_on, rows.on(above)], z);
-        let words = on.len();
-        on.copy_from_slice(&from_on.0[..words]);
+        let [from, from_on] = [rows.inside(k).skip(first), rows.on(k).skip(first)];
+        let [to, to_on] = [rows.inside(above).skip(first), rows.on(above).skip(first)];
+        across_x(from, from_on, &rows.starts()[first..], &mut x[words.clone()]);
+        across([from, from.skip(row)], [from_on, from_on.skip(row)], &mut y[but_last]);
+        across([from, to], [from_on, to_on], &mut z[words.clone()]);
+        on[words.clone()].copy_from_slice(&from_on.0[..words.len()]);
+        self.rows = found;
     }
 
     /// How many there are.
     pub fn count(&self) -> u64 {
-        self.kinds.iter().map(|bits| count_ones(bits)).sum()
+        let words = self.rows.start * self.words_a_row..self.rows.end * self.words_a_row;
+        self.kinds.iter().map(|bits| count_ones(&bits[words.clone()])).sum()
     }
 
     /// Numbers them from `first` on, row after row and kind after kind.
     pub fn number(&mut self, first: u32) {
-        number(&self.kinds, self.words_a_row, first, &mut self.numbers);
+        let rows = self.rows.clone();
+        self.numbers[..rows.start].fill([first; KINDS]);
+        let next = number(&self.kinds, self.words_a_row, rows.clone(), first, &mut self.numbers);
+        self.numbers[rows.end..].fill([next; KINDS]);
     }
 
     /// The vertices of `kind` in word `w` of row `j`.
@@ -114,16 +128,24 @@ fn count_ones(bits: &[u64]) -> u64 {
     count
 }
 
+/// Numbers those of some rows from `first` on, and returns the number after the last.
 #[multiversion::multiversion(targets("x86_64+popcnt"))]
-fn number(kinds: &[Vec<u64>; KINDS], words_a_row: usize, first: u32, numbers: &mut [RowNumbers]) {
+fn number(
+    kinds: &[Vec<u64>; KINDS],
+    words_a_row: usize,
+    rows: Range<usize>,
+    first: u32,
+    numbers: &mut [RowNumbers],
+) -> u32 {
     let mut next = first;
-    for (j, row) in numbers.iter_mut().enumerate() {
+    for j in rows {
         for kind in 0..KINDS {
-            row[kind] = next;
+            numbers[j][kind] = next;
             for word in &kinds[kind][j * words_a_row..][..words_a_row] {
                 // Wraps only where there is an error in the end.
                 next = next.wrapping_add(word.count_ones());
             }
         }
     }
+    next
 }

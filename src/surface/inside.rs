@@ -5,10 +5,11 @@
 //! an edge is crossed its two ends differ, so crossings are an exclusive or of rows, and counting set bits numbers them.
 //! *Practice.* The isovalue is turned into the smallest value of the voxels' own type that is inside, so that voxels are
 //! compared as they are. Bits are held for a few slices only. Of the others no more is kept than the words through which
-//! the surface goes ([`words`](super::words)), so that a second pass compares no voxels but those of the isovalue.
+//! the surface goes ([`words`](super::words)), so that a second pass compares no voxels.
 
 use std::ops::Range;
 
+use super::bits::{SliceBits, SliceRows, hull, keep_equal};
 use super::cells::SetBits;
 use super::slices::Slices;
 use super::words::{Known, SliceWords, WordSets, existing};
@@ -45,26 +46,11 @@ impl<'a, T: Voxel> Classifier<'a, T> {
     }
 }
 
-/// One bit for each voxel of a slice, row after row: bit `i % 64` of word `i / 64` for voxel `i` of a row; bits beyond a row's
-/// end are 0. There is one more word, of any bits.
-#[derive(Clone, Copy)]
-pub(super) struct SliceBits<'a>(pub &'a [u64]);
-
-impl<'a> SliceBits<'a> {
-    /// All but the first `words`.
-    #[inline(always)]
-    pub fn skip(self, words: usize) -> Self {
-        Self(&self.0[words..])
-    }
-}
-
 /// The bits of some slices of a lattice.
 pub(super) struct InsideRows {
-    inside: Vec<u64>,
-    /// Voxels of the isovalue itself with a neighbour outside: the vertices on all their crossed edges are one. None are known
-    /// in slices whose neighbours are not held.
-    on: Vec<u64>,
-    sets: Vec<WordSets>,
+    /// Those held. Of voxels that the surface goes through they have those of the isovalue itself with a neighbour outside: the
+    /// vertices on all their crossed edges are one. None are known in slices whose neighbours are not held.
+    held: Vec<SliceRows>,
     /// The voxels of a slice that start an x edge.
     starts: Vec<u64>,
     /// Room for the voxels of a slice that differ from the next in x, behind a word of none.
@@ -90,9 +76,7 @@ impl InsideRows {
             }
         });
         Self {
-            inside: Vec::new(),
-            on: Vec::new(),
-            sets: Vec::new(),
+            held: Vec::new(),
             starts: row.cycle().take(words_a_row * dims[1]).collect(),
             changes: vec![0; words_a_row * dims[1] + 1],
             slices: 0..0,
@@ -113,125 +97,111 @@ impl InsideRows {
     /// slices that are `known` are written down from there.
     pub fn move_to<T: Voxel>(&mut self, classifier: &Classifier<'_, T>, held: Range<usize>, known: Known<'_>) {
         let fresh = self.slices.end.max(held.start);
-        self.drop_before(held.start);
+        let gone = (held.start - self.slices.start).min(self.slices.len());
+        self.held.rotate_left(gone);
         self.slices = held;
-        let rows = self.dims[1] * self.slices.len();
-        let words = self.words_a_row * rows + 1;
-        self.inside.resize(words, 0);
-        self.on.resize(words, 0);
-        self.sets.resize(rows, WordSets::OUTSIDE);
+        let [width, height, _] = self.dims;
+        self.held
+            .resize_with(self.slices.len(), || SliceRows::new([width, height]));
         for k in fresh..self.slices.end {
-            self.classify(classifier, k, known);
-            if let Some(iso) = classifier.iso {
-                self.find_ties(classifier.slices, iso, k);
+            let slice = &mut self.held[k - self.slices.start];
+            slice.clear();
+            if let Some(kept) = known.slice(k) {
+                slice.restore(kept);
+            } else if let Some(smallest_inside) = classifier.smallest_inside {
+                slice.classify(classifier.slices.slice(k), smallest_inside);
             }
-        }
-    }
-
-    fn drop_before(&mut self, k: usize) {
-        let rows = self.dims[1] * (k - self.slices.start).min(self.slices.len());
-        let words = self.words_a_row * rows;
-        self.inside.drain(..words);
-        self.on.drain(..words);
-        self.sets.drain(..rows);
-    }
-
-    fn classify<T: Voxel>(&mut self, classifier: &Classifier<'_, T>, k: usize, known: Known<'_>) {
-        let (first_row, ny, words) = (self.first_row(k), self.dims[1], self.words(k));
-        let sets = &mut self.sets[first_row..][..ny];
-        let Some(smallest_inside) = classifier.smallest_inside else {
-            sets.fill(WordSets::OUTSIDE);
-            return;
-        };
-        let (voxels, inside) = (classifier.slices.slice(k), &mut self.inside[words]);
-        if let Some(known) = known.slice(k) {
-            sets.copy_from_slice(&known.sets);
-            known.restore(self.dims[0], inside);
-        } else {
-            classify(voxels, self.dims[0], smallest_inside, inside);
-            for (row, sets) in inside.chunks_exact(self.words_a_row).zip(sets) {
-                *sets = WordSets::of(row, self.dims[0]);
-                sets.on = if classifier.iso.is_some() { sets.on } else { 0 };
+            if let Some(iso) = classifier.iso {
+                self.find_ties(classifier.slices, iso, k, known);
             }
         }
     }
 
     /// Finds the voxels of the isovalue that have a vertex, in the slices whose neighbours are classified now that slice `last`
     /// is.
-    fn find_ties<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T, last: usize) {
+    fn find_ties<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T, last: usize, known: Known<'_>) {
         let first = if self.slices.start == 0 {
             0
         } else {
             self.slices.start + 1
         };
         let end = if last + 1 == self.dims[2] { last + 1 } else { last };
-        for k in first.max(self.settled)..end {
-            let (first_row, words) = (self.first_row(k), self.words(k));
-            let rows = first_row..first_row + self.dims[1];
-            if self.sets[rows.clone()].iter().all(|sets| sets.on == 0) {
-                continue;
-            }
-            let mut on = std::mem::take(&mut self.on);
-            self.outer_voxels(k, &mut on[words.clone()]);
-            let bits = on[words].chunks_exact_mut(self.words_a_row);
-            for (j, (row, sets)) in bits.zip(&mut self.sets[rows]).enumerate() {
-                if sets.on == 0 {
-                    row.fill(0);
-                } else if row.iter().any(|word| *word != 0) {
-                    keep_equal(slices.row(j, k), iso, row);
-                    keep_with_finite_neighbours(slices, [j, k], row);
-                }
-                sets.on = WordSets::of(row, self.dims[0]).on;
-            }
-            self.on = on;
-        }
+        let unknown = (first.max(self.settled)..end).filter(|k| known.slice(*k).is_none());
+        unknown.for_each(|k| self.find_ties_of(slices, iso, k));
         self.settled = self.settled.max(end);
     }
 
-    /// Finds the voxels of slice `k` that are inside and have a neighbour outside. Beyond the lattice its border goes on.
+    /// Finds the voxels of the isovalue that have a vertex in slice `k`.
+    fn find_ties_of<T: Voxel>(&mut self, slices: Slices<'_, T>, iso: T, k: usize) {
+        let here = &mut self.held[k - self.slices.start];
+        let (rows, words) = (here.rows.clone(), here.words_of(&here.rows));
+        let mut on = std::mem::take(&mut here.on);
+        self.outer_voxels(k, &mut on[words.clone()]);
+        let here = &mut self.held[k - self.slices.start];
+        let bits = on[words].chunks_exact_mut(self.words_a_row);
+        for (j, (row, sets)) in rows.clone().zip(bits.zip(&mut here.sets[rows])) {
+            if row.iter().any(|word| *word != 0) {
+                keep_equal(slices.row(j, k), iso, row);
+                keep_with_finite_neighbours(slices, [j, k], row);
+                sets.on = WordSets::some_of(row, self.dims[0]);
+                here.has_on |= sets.on != 0;
+            }
+        }
+        here.on = on;
+    }
+
+    /// Finds the voxels of slice `k` that are inside and have a neighbour outside, in the rows with any inside. Beyond the lattice
+    /// its border goes on.
     fn outer_voxels(&mut self, k: usize, outer: &mut [u64]) {
         let mut changes = std::mem::take(&mut self.changes);
         let here = self.inside(k);
-        x_changes(here, &self.starts, &mut changes[1..]);
+        let Range { start, end } = self.slice(k).rows;
+        let (row, last) = (self.words_a_row, self.dims[1] - 1);
+        let words = start * row..end * row;
+        x_changes(
+            here.skip(words.start),
+            &self.starts[words.clone()],
+            &mut changes[1..][words.clone()],
+        );
         let below = self.inside(k.saturating_sub(1));
         let above = self.inside((k + 1).min(self.dims[2] - 1));
-        let (row, end) = (self.words_a_row, outer.len());
         // The first and the last row have a neighbour less.
-        for (words, down, up) in [(0..row, 0, row), (row..end - row, row, row), (end - row..end, row, 0)] {
-            let first = words.start;
+        let (first, middle, last) = (start..end.min(1), start.max(1)..end.min(last), start.max(last)..end);
+        for (rows, down, up) in [(first, 0, row), (middle, row, row), (last, row, 0)] {
+            if rows.is_empty() {
+                continue;
+            }
+            let first = rows.start * row;
             let round = [
                 here.skip(first - down),
                 here.skip(first + up),
                 below.skip(first),
                 above.skip(first),
             ];
-            outer_voxels(&changes[first..], here.skip(first), round, &mut outer[words]);
+            let outer = &mut outer[first - words.start..rows.end * row - words.start];
+            outer_voxels(&changes[first..], here.skip(first), round, outer);
         }
         self.changes = changes;
     }
 
-    /// Whether the surface may go through voxels of slice `k`, whose neighbours are held.
+    /// Whether the surface goes through voxels of slice `k`, whose neighbours are held.
     pub fn has_on(&self, k: usize) -> bool {
-        self.sets(k).iter().any(|sets| sets.on != 0)
+        self.slice(k).has_on
     }
 
-    /// What is known of the words of slice `k`.
+    /// What is to be kept of slice `k`.
     pub fn words_of(&self, k: usize) -> SliceWords {
-        SliceWords::new(self.sets(k), self.dims[0], self.inside(k).0)
+        SliceWords::new(self.slice(k), self.dims[0])
     }
 
-    /// What is known of the rows of slice `k`.
-    pub fn sets(&self, k: usize) -> &[WordSets] {
-        &self.sets[self.first_row(k)..][..self.dims[1]]
+    /// All rows of slices `k` and `next` with a voxel inside are among these.
+    pub fn rows_inside(&self, k: usize, next: usize) -> Range<usize> {
+        hull(&self.slice(k).rows, &self.slice(next).rows)
     }
 
-    fn words(&self, k: usize) -> Range<usize> {
-        let row = self.first_row(k);
-        self.words_a_row * row..self.words_a_row * (row + self.dims[1])
-    }
-
-    fn first_row(&self, k: usize) -> usize {
-        self.dims[1] * (k - self.slices.start)
+    #[inline(always)]
+    fn slice(&self, k: usize) -> &SliceRows {
+        &self.held[k - self.slices.start]
     }
 
     /// Words in a row of voxels.
@@ -249,30 +219,13 @@ impl InsideRows {
     /// The voxels inside of slice `k`.
     #[inline(always)]
     pub fn inside(&self, k: usize) -> SliceBits<'_> {
-        let words = self.words(k);
-        SliceBits(&self.inside[words.start..words.end + 1])
+        SliceBits(&self.slice(k).inside)
     }
 
     /// The voxels of slice `k` that the surface goes through.
     #[inline(always)]
     pub fn on(&self, k: usize) -> SliceBits<'_> {
-        let words = self.words(k);
-        SliceBits(&self.on[words.start..words.end + 1])
-    }
-}
-
-/// Fills `inside` with the bits of the rows of `width` voxels that `voxels` holds.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn classify<T: Voxel>(voxels: &[T], width: usize, smallest_inside: T, inside: &mut [u64]) {
-    let rows = inside.chunks_exact_mut(width.div_ceil(64));
-    for (row, inside) in voxels.chunks_exact(width).zip(rows) {
-        let (whole, rest) = row.as_chunks::<64>();
-        for (chunk, word) in whole.iter().zip(inside.iter_mut()) {
-            *word = not_below(chunk, smallest_inside);
-        }
-        if let Some(last) = inside.get_mut(whole.len()) {
-            *last = not_below(rest, smallest_inside);
-        }
+        SliceBits(&self.slice(k).on)
     }
 }
 
@@ -301,23 +254,12 @@ fn outer_voxels(changes: &[u64], inside: SliceBits<'_>, round: [SliceBits<'_>; 4
     }
 }
 
-/// Clears the bits of a row's voxels that are not `iso`.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn keep_equal<T: Voxel>(row: &[T], iso: T, bits: &mut [u64]) {
-    for (w, word) in bits.iter_mut().enumerate() {
-        if *word != 0 {
-            let chunk = &row[w * 64..row.len().min(w * 64 + 64)];
-            *word &= match chunk.as_array::<64>() {
-                Some(chunk) => equal(chunk, iso),
-                None => equal(chunk, iso),
-            };
-        }
-    }
-}
-
 /// Clears the bits of the voxels of row `j` of slice `k` next to one that is not finite: the vertex on an edge to that is
 /// elsewhere.
 fn keep_with_finite_neighbours<T: Voxel>(slices: Slices<'_, T>, [j, k]: [usize; 2], bits: &mut [u64]) {
+    if !T::TYPE.is_float() {
+        return;
+    }
     for (w, word) in bits.iter_mut().enumerate() {
         for i in SetBits(*word) {
             if !slices.has_finite_neighbours([w * 64 + i as usize, j, k]) {
@@ -325,26 +267,6 @@ fn keep_with_finite_neighbours<T: Voxel>(slices: Slices<'_, T>, [j, k]: [usize; 
             }
         }
     }
-}
-
-// Of at most 64 voxels each. For 64 of them compilers turn these into wide comparisons.
-
-#[inline(always)]
-fn not_below<T: Voxel>(voxels: &[T], smallest_inside: T) -> u64 {
-    let mut word = 0;
-    for (n, v) in voxels.iter().enumerate() {
-        word |= u64::from(*v >= smallest_inside) << n;
-    }
-    word
-}
-
-#[inline(always)]
-fn equal<T: Voxel>(voxels: &[T], value: T) -> u64 {
-    let mut word = 0;
-    for (n, v) in voxels.iter().enumerate() {
-        word |= u64::from(*v == value) << n;
-    }
-    word
 }
 
 #[cfg(test)]
@@ -374,6 +296,45 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_moves_holds_what_stays_does() {
+        let dims = [70, 6, 40];
+        // Slices and rows without voxels inside between others, and many voxels of the isovalue.
+        let field = |n: usize| match [n / (70 * 6) % 7, n / 70 % 3] {
+            [0 | 1, _] | [2, 0] => 0,
+            [3, _] => 5 + n % 2,
+            _ => (n * 37 + n * n) % 11,
+        };
+        let voxels: Vec<u16> = (0..70 * 6 * 40).map(|n| field(n) as u16).collect();
+        let slices = Slices {
+            voxels: &voxels,
+            first_slice: 0,
+            dims,
+        };
+        let classifier = Classifier::new(slices, 5.0, Ties::OneVertex);
+        let all = InsideRows::of(&classifier, 0..40);
+        let words: Vec<SliceWords> = (0..30).map(|k| all.words_of(k)).collect();
+        for known in [&words[..0], &words] {
+            let known = Known {
+                first_slice: 0,
+                slices: known,
+            };
+            let mut moved = InsideRows::new(dims);
+            for held in [0..7, 3..11, 8..12, 20..33, 29..34, 33..40] {
+                moved.move_to(&classifier, held.clone(), known);
+                for k in held.clone() {
+                    assert_eq!(moved.inside(k).0, all.inside(k).0, "{held:?}, slice {k}");
+                }
+                let settled = held.start + usize::from(held.start > 0)..held.end - usize::from(held.end < 40);
+                for k in settled {
+                    assert_eq!(moved.on(k).0, all.on(k).0, "{held:?}, slice {k}");
+                    assert_eq!(moved.has_on(k), all.on(k).0.iter().any(|word| *word != 0));
+                }
+            }
+        }
+        assert!((0..40).any(|k| all.has_on(k)) && (0..40).any(|k| all.rows_inside(k, k).is_empty()));
     }
 
     #[test]
@@ -407,16 +368,5 @@ mod tests {
                 assert_eq!(again.on(k).0, first.on(k).0, "width {width}, slice {k}");
             }
         }
-    }
-
-    #[test]
-    fn not_a_number_is_outside() {
-        let mut inside = [0];
-        let voxels = [f64::NAN, 1.0, f64::INFINITY];
-        classify(&voxels, 3, 1.0, &mut inside);
-        assert_eq!(inside, [0b110]);
-        let mut equal = [0b111];
-        keep_equal(&voxels, 1.0, &mut equal);
-        assert_eq!(equal, [0b010]);
     }
 }

@@ -1,6 +1,7 @@
 //! Surfaces of constant value as triangle meshes, on the processor (LC87).
 
 mod assemble;
+mod bits;
 mod blocks;
 mod cases;
 mod cell;
@@ -24,6 +25,7 @@ mod solid;
 mod sound;
 mod subset;
 mod texture;
+mod ties;
 pub mod trilinear;
 mod vertices;
 mod view;

@@ -7,19 +7,22 @@
 use super::cell::edge_corners;
 use super::crossings::{Crossings, ON_VOXELS};
 
-/// The places round a cell where vertices can be: its twelve edges, then its eight corners, and no others.
-pub(super) const PLACES: usize = 32;
+/// The places round a cell where vertices can be: its twelve edges, then its eight corners.
+pub(super) const PLACES: usize = 20;
 
 /// The edges with a vertex of their own that a row of cells goes along: x edges of its four rows of voxels, y edges of the lower
 /// and the upper slice, z edges of the lower and the upper row.
 const TRACKS: usize = 8;
 
 /// The vertices round a cell: on each track the one at the cell's lower x, and then on each the next one. Of tracks in y and z
-/// that is the one at the cell's upper x, if it has both.
-pub(super) type Vertices = [u32; 2 * TRACKS];
+/// that is the one at the cell's upper x, if it has both. Then those on the cell's corners, and no others.
+pub(super) type Vertices = [u32; 4 * TRACKS];
 
-/// Where the vertex on each of the twelve edges is among [`Vertices`].
-pub(super) const SLOTS: [u8; 12] = [0, 1, 2, 3, 4, 12, 5, 13, 6, 14, 7, 15];
+/// Where the vertices on corners start among [`Vertices`].
+const ON_CORNERS: usize = 2 * TRACKS;
+
+/// Where the vertex in each place is among [`Vertices`].
+pub(super) const SLOTS: [u8; PLACES] = [0, 1, 2, 3, 4, 12, 5, 13, 6, 14, 7, 15, 16, 17, 18, 19, 20, 21, 22, 23];
 
 /// For each case, how many vertices the cell has on each track that the next cell has no more.
 pub(super) static STEPS: [[u8; TRACKS]; 256] = {
@@ -94,8 +97,8 @@ impl Numbering {
         let (lower, upper) = (&lower.numbers, &upper.numbers);
         let rows = [lower[j], lower[j + 1], upper[j], upper[j + 1]];
         let [a, b, c, d] = rows;
-        let mut vertices = [0; 2 * TRACKS];
-        vertices[TRACKS..].copy_from_slice(&[a[0], b[0], c[0], d[0], a[1], c[1], a[2], b[2]]);
+        let mut vertices = [0; 4 * TRACKS];
+        vertices[TRACKS..ON_CORNERS].copy_from_slice(&[a[0], b[0], c[0], d[0], a[1], c[1], a[2], b[2]]);
         Self {
             vertices,
             on: rows.map(|row| row[ON_VOXELS]),
@@ -108,8 +111,20 @@ impl Numbering {
         for n in 0..TRACKS {
             self.vertices[n] = self.vertices[TRACKS + n];
         }
-        for (next, step) in self.vertices[TRACKS..].iter_mut().zip(step) {
+        for (next, step) in self.vertices[TRACKS..ON_CORNERS].iter_mut().zip(step) {
             *next += u32::from(*step);
+        }
+    }
+
+    /// Takes a step over cell `i`, some of whose corners may have a vertex. All cells with a surface are stepped over in their
+    /// order.
+    #[inline(always)]
+    pub fn step_over_tied(&mut self, own: &OwnVertices, i: u32) {
+        self.step_over_cell(&own.step(i));
+        for row in 0..4 {
+            let at_lower_x = self.on[row] + (own.on[row] & ((1 << i) - 1)).count_ones();
+            self.vertices[ON_CORNERS + 2 * row] = at_lower_x;
+            self.vertices[ON_CORNERS + 2 * row + 1] = at_lower_x + (own.on[row] >> i & 1) as u32;
         }
     }
 
@@ -118,21 +133,12 @@ impl Numbering {
     #[inline(always)]
     pub fn next_cell(&mut self, own: &OwnVertices, i: u32) -> [u32; 12] {
         self.step_over_cell(&own.step(i));
-        SLOTS.map(|slot| self.vertices[usize::from(slot)])
+        std::array::from_fn(|edge| self.vertices[usize::from(SLOTS[edge])])
     }
 
-    /// [`next_cell`](Self::next_cell) for all places.
-    #[inline(always)]
-    pub fn next_places(&mut self, own: &OwnVertices, i: u32) -> [u32; PLACES] {
-        let mut vertices = [0; PLACES];
-        for corner in 0..8 {
-            vertices[12 + corner as usize] = self.on_corner(own, i, corner);
-        }
-        self.step_over_cell(&own.step(i));
-        for (vertex, slot) in vertices.iter_mut().zip(SLOTS) {
-            *vertex = self.vertices[usize::from(slot)];
-        }
-        vertices
+    /// The vertex in each place round the cell that was stepped over last; a meaningless number where there is none.
+    fn places(&self) -> [u32; PLACES] {
+        SLOTS.map(|slot| self.vertices[usize::from(slot)])
     }
 
     /// The vertex in each place round any cell `i` of a word before its first is stepped over; a meaningless number where there
@@ -140,18 +146,11 @@ impl Numbering {
     pub fn in_places(&self, own: &OwnVertices, i: u32) -> [u32; PLACES] {
         let mut there = self.clone();
         let before = (1 << i) - 1;
-        for (next, edges) in there.vertices[TRACKS..].iter_mut().zip(own.edges) {
+        for (next, edges) in there.vertices[TRACKS..ON_CORNERS].iter_mut().zip(own.edges) {
             *next += (edges & before).count_ones();
         }
-        there.next_places(own, i)
-    }
-
-    /// The vertex on a corner of cell `i`; a meaningless number where it is not one.
-    #[inline(always)]
-    fn on_corner(&self, own: &OwnVertices, i: u32, corner: u32) -> u32 {
-        let row = (corner / 2) as usize;
-        let below = ((1 << i) - 1) | u64::from(corner % 2) << i;
-        self.on[row] + (own.on[row] & below).count_ones()
+        there.step_over_tied(own, i);
+        there.places()
     }
 
     /// Steps over the vertices on voxels of a word whose cells have been stepped over.
@@ -164,7 +163,7 @@ impl Numbering {
 
     /// Steps over a word none of whose cells has been stepped over.
     pub fn step_over(&mut self, own: &OwnVertices) {
-        for (next, edges) in self.vertices[TRACKS..].iter_mut().zip(own.edges) {
+        for (next, edges) in self.vertices[TRACKS..ON_CORNERS].iter_mut().zip(own.edges) {
             *next += edges.count_ones();
         }
         self.end_word(own);
@@ -202,7 +201,8 @@ mod tests {
             for (w, active) in cells.active.iter().enumerate() {
                 let own = OwnVertices::of(crossings.each_ref(), 0, w);
                 for i in SetBits(*active) {
-                    prop_assert_eq!(stepped.next_places(&own, i), counted.in_places(&own, i), "word {}, cell {}", w, i);
+                    stepped.step_over_tied(&own, i);
+                    prop_assert_eq!(stepped.places(), counted.in_places(&own, i), "word {}, cell {}", w, i);
                 }
                 stepped.end_word(&own);
                 counted.step_over(&own);

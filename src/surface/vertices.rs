@@ -335,13 +335,16 @@ pub(super) fn interpolate<T: Voxel>(
     level: &Level,
     sink: &mut VertexSink<'_>,
 ) {
+    if crossings.rows.is_empty() {
+        return;
+    }
     let mut batch = Batch::new(slices, k);
     let mut vertices = Vertices {
         along: [0.0; LANES],
         positions: [[0.0; LANES]; 3],
         normals: [[0.0; LANES]; 3],
     };
-    for j in 0..slices.dims[1] {
+    for j in crossings.rows.clone() {
         let bits = [
             crossings.row(0, j),
             crossings.row(1, j),

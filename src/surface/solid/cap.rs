@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::cell::Node;
-use crate::surface::cells::is_whole;
+use crate::surface::ties::is_whole;
 
 /// The closed loops, without repeated vertices, that cuts of one cell make: each goes on where another ends.
 pub(super) fn loops(mut cuts: Vec<[Node; 2]>) -> Vec<Vec<Node>> {

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use super::cell::Vertex;
 use super::{Border, CAP, Creases, FIRST_FACE, Group, Pieces, Point, SURFACE, Task};
-use crate::surface::cells::is_whole;
 use crate::surface::extract::ExtractError;
 use crate::surface::mesh::{Mesh, Part};
+use crate::surface::ties::is_whole;
 use crate::surface::weld;
 
 /// Puts the pieces together.

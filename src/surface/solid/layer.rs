@@ -9,11 +9,12 @@ use super::table::{Relations, Side, Work};
 use super::{Border, CAP, FIRST_FACE, Group, Pieces, Point, SURFACE, Task};
 use crate::math::affine;
 use crate::surface::cases::CASES;
-use crate::surface::cells::{CellWord, SetBits, is_whole, triangles_through};
+use crate::surface::cells::{CellWord, SetBits};
 use crate::surface::crossings::Crossings;
 use crate::surface::inside::{Classifier, InsideRows, Ties};
 use crate::surface::numbering::{Numbering, OwnVertices};
 use crate::surface::slices::Slices;
+use crate::surface::ties::{is_whole, triangles_through};
 
 /// What the cells between slices `k` and `k + 1` make.
 pub(super) fn march(task: &Task<'_>, k: usize) -> Pieces {
