@@ -203,6 +203,24 @@ fn each_baked_level_is_the_scene_at_its_spacing_or_there_is_none() {
     assert!(read("m-0.nrrd").is_err() && read("m-1.nrrd").is_err());
 }
 
+/// The scenes are drawn too, so none of them has a mistake.
+#[test]
+fn bench_measures_the_scenes_of_figure_6() {
+    let folder = folder();
+    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes");
+    let asked = ["bench", "figure6", "--scenes", scenes, "--repetitions", "1", "--json"];
+    let rows = json(folder.path(), &asked);
+    let rows = rows.as_array().expect("a table");
+    assert_eq!(rows.len(), 7);
+    for row in rows {
+        let figure = |name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name} of {row}"));
+        let parts = figure("templates_ms") + figure("projection_ms") + figure("read_back_ms");
+        // Of one repetition medians are the figures themselves.
+        assert!((figure("rendering_ms") - parts).abs() < 1e-6 * parts && figure("build_ms") > 0.0, "{row}");
+        assert!(figure("blocks") > 0.0 && figure("memory_mib") > 1.0, "{row}");
+    }
+}
+
 #[test]
 fn a_bare_volume_renders_with_no_further_options() {
     let folder = folder();

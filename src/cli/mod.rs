@@ -3,6 +3,7 @@
 //! Machine output goes to stdout with `--json`, messages and progress to stderr; the exit code is 0 only on success.
 
 mod bake;
+mod bench;
 mod console;
 mod devices;
 mod error;
@@ -39,6 +40,7 @@ enum Command {
     Bake(bake::Bake),
     Mesh(mesh::MeshCommand),
     Devices(devices::Devices),
+    Bench(bench::Bench),
 }
 
 /// Runs the command that the process was started with.
@@ -49,6 +51,7 @@ pub fn run() -> ExitCode {
         Command::Bake(bake) => bake.run(),
         Command::Mesh(mesh) => mesh.run(),
         Command::Devices(devices) => devices.run(),
+        Command::Bench(bench) => bench.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
