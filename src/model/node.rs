@@ -377,8 +377,9 @@ impl Model {
         let mut roots = Vec::new();
         for model in models {
             let before = all.nodes.len() as u32;
-            let moved = |node: &Node| node.with_children(|child| NodeId(child.0 + before));
-            all.nodes.extend(model.nodes.iter().map(moved));
+            for node in &model.nodes {
+                all.push(node.with_children(|child| NodeId(child.0 + before)));
+            }
             roots.extend(model.root().and(all.root()));
         }
         all.fold(BooleanOp::Union, ValueRule::First, Family::default(), roots);
