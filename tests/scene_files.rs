@@ -276,6 +276,7 @@ fn every_scene_of_the_assets_is_read() {
     let scenes: Vec<_> = fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|suffix| suffix == "kdl"))
         .collect();
     assert!(scenes.len() >= 3);
     for path in scenes {
