@@ -216,7 +216,10 @@ fn bench_measures_the_scenes_of_figure_6() {
         let figure = |name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name} of {row}"));
         let parts = figure("templates_ms") + figure("projection_ms") + figure("read_back_ms");
         // Of one repetition medians are the figures themselves.
-        assert!((figure("rendering_ms") - parts).abs() < 1e-6 * parts && figure("build_ms") > 0.0, "{row}");
+        assert!(
+            (figure("rendering_ms") - parts).abs() < 1e-6 * parts && figure("build_ms") > 0.0,
+            "{row}"
+        );
         assert!(figure("blocks") > 0.0 && figure("memory_mib") > 1.0, "{row}");
     }
 }

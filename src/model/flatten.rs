@@ -35,6 +35,22 @@ impl Tree {
         Self::graded(model, world_from_lattice, voxel_mm, None)
     }
 
+    /// [`Self::new`] after an edit: what is deformed as it was in `before`, a tree for the same lattice, keeps its table.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn after(before: &Self, model: &Model, world_from_lattice: &DAffine3) -> Result<Self, TreeError> {
+        let voxel_mm = affine::spacing(world_from_lattice).max_element();
+        let mut tree = Self::outline(model, world_from_lattice, voxel_mm, None)?;
+        for warp in &mut tree.warps {
+            match before.warps.iter().find(|known| known.is_like(warp)) {
+                Some(known) => warp.table = Arc::clone(&known.table),
+                None => warp.tabulate()?,
+            }
+        }
+        Ok(tree)
+    }
+
     /// Flattens `model` for points of the world, with filters for voxels `voxel_mm` apart; 0 makes all surfaces crisp.
     ///
     /// # Errors

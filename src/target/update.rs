@@ -65,7 +65,7 @@ impl Target {
     /// # Errors
     /// As [`Target::on_lattice`].
     pub fn updated(&self, model: &Model, subdivision: &Subdivision) -> Result<Update, TargetError> {
-        let tree = Tree::new(model, &self.lattice.world_from_lattice)?;
+        let tree = Tree::after(&self.tree, model, &self.lattice.world_from_lattice)?;
         let like = |s: &Subdivision| (s.min_block, s.max_block, s.boundary);
         // A deformation that changes moves all that it holds.
         if like(subdivision) != like(&self.subdivision) || !self.tree.deforms_like(&tree) {

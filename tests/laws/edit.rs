@@ -443,6 +443,29 @@ fn what_an_edit_does_not_touch_is_kept() {
 }
 
 #[test]
+fn an_edit_beside_a_deformation_keeps_its_table() {
+    let bounds = Aabb::new(DVec3::splat(-8.0), DVec3::splat(10.0));
+    let morph = Arc::new(seeded(&landmarks(), 5).morph(&bounds));
+    let model = |value: f32| {
+        let mut model = Model::default();
+        let child = model.push(Node::Primitive(Primitive::soft(ball(), 50.0)));
+        let first = model.push(Node::Deform {
+            child,
+            morph: Arc::clone(&morph),
+            error_voxels: 0.1,
+        });
+        let second = model.push(Node::Primitive(Primitive::crisp(ball(), value)));
+        let Operator { rule, family, .. } = seeded(&parts::operator(), 0);
+        model.fold(vcsg::model::BooleanOp::Union, rule, family, [first, second]);
+        model
+    };
+    let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
+    let target = Target::on_lattice(&model(1.0), lattice, &Subdivision::default()).expect("a target");
+    let edited = updated(&target, &model(2.0)).target;
+    assert!(std::ptr::eq(target.tree.table(0), edited.tree.table(0)));
+}
+
+#[test]
 fn another_subdivision_is_built_anew() {
     let bounds = Aabb::new(DVec3::splat(-10.0), DVec3::new(110.0, 10.0, 10.0));
     let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
