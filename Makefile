@@ -1,5 +1,5 @@
 # Every target sets up what it needs first; `make setup` installs only what is missing.
-.PHONY: setup demo test bench docs check clean
+.PHONY: setup demo test explore bench docs check clean
 
 setup:
 	@tools/setup
@@ -9,6 +9,13 @@ demo: setup
 
 test: setup
 	@cargo test --release --no-fail-fast
+
+# The laws over other random inputs, and more of them: `make explore SEED=7 CASES=2000`.
+SEED ?= $(shell date +%s)
+CASES ?= 1000
+explore: setup
+	@echo "PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=$(CASES)"
+	@PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=$(CASES) cargo test --release --no-fail-fast
 
 bench: setup
 	@target/deps/vtk/bin/python tools/peers/volumes.py >/dev/null

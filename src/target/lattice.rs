@@ -89,7 +89,11 @@ impl Lattice {
         }
         match (spacing_mm, common_lattice(tree)) {
             (Some(spacing), _) => Self::axis_aligned(&bounds, spacing),
-            (None, Some(volume)) if volume.serves(tree) => volume.filling(&tree.bounds_in(&volume.world_from_index)),
+            (None, Some(volume)) if volume.serves(tree) => match tree.bounds_in(&volume.world_from_index) {
+                // Boxes are tighter along the volume's own axes, and there can show that cuts leave nothing.
+                wanted if wanted.is_empty() => Err(LatticeError::Empty),
+                wanted => volume.filling(&wanted),
+            },
             (None, _) => Self::axis_aligned(&bounds, finest_spacing(tree, &bounds)),
         }
     }
@@ -280,6 +284,37 @@ mod tests {
         let mut model = Model::default();
         model.push(oblique());
         assert_eq!(lattice(&model).map(|l| l.dims), Some([6, 5, 4]));
+    }
+
+    #[test]
+    fn what_is_cut_away_along_the_volumes_own_axes_is_empty() {
+        // In the world the boxes of both halves overlap: it takes the volume's axes to see that nothing is left.
+        let mut model = Model::default();
+        let volume = model.push(oblique());
+        let Node::Volume(leaf) = &model.nodes()[volume.index()] else {
+            unreachable!("a volume was pushed")
+        };
+        let world_from_index = *leaf.bricks.world_from_index();
+        let axis = world_from_index.matrix3.x_axis.normalize();
+        let middle = axis.dot(world_from_index.translation) + 2.5;
+        let below = Plane {
+            normal: axis,
+            offset: middle - 0.1,
+        };
+        let above = Plane {
+            normal: -axis,
+            offset: -(middle + 0.1),
+        };
+        let child = model.push(Node::Cut {
+            child: volume,
+            plane: below,
+        });
+        model.push(Node::Cut { child, plane: above });
+        let lattice = Lattice::of_model(&model, None);
+        assert!(
+            matches!(lattice, Err(TargetError::Lattice(LatticeError::Empty))),
+            "{lattice:?}"
+        );
     }
 
     #[test]
