@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use vcsg::math::Interval;
 use vcsg::model::{Admitted, Node};
 use vcsg::scene::{MAX_DEPTH, NoVolumes, Problem, Scene, SceneError, VolumeLoader, VolumeRequest};
-use vcsg::volume::io::ByteOrder;
+use vcsg::volume::io::{ByteOrder, ReadOptions};
 use vcsg::volume::{Bricks, Grid, Voxels};
 
 fn folder(files: &[(&str, &str)]) -> TempDir {
@@ -188,7 +188,7 @@ fn a_volume_is_loaded_once_relative_to_its_file() {
         asked,
         [folder.path().join("a.nrrd"), folder.path().join("sub").join("b.raw")]
     );
-    let raw = recorder.0[1].raw.unwrap();
+    let raw = recorder.0[1].options.raw.unwrap();
     assert_eq!((raw.dims, raw.order), ([4, 5, 6], ByteOrder::Big));
     assert_eq!(raw.world_from_index, DAffine3::from_scale(DVec3::new(1.0, 1.0, 2.0)));
     let window = |node: &Node| match node {
@@ -245,11 +245,11 @@ fn a_volume_that_fails_says_where_it_was_asked_for() {
 #[test]
 fn a_bare_volume_is_a_scene() {
     let path = Path::new("/data/a \"b\".nii.gz");
-    let scene = Scene::open(path, &mut Recorder::default()).unwrap();
+    let scene = Scene::open(path, &ReadOptions::default(), &mut Recorder::default()).unwrap();
     assert_eq!(scene.model.nodes().len(), 1);
     let again = Scene::parse("again", scene.to_text(), Path::new("/"), &mut Recorder::default()).unwrap();
     assert_eq!(again.model.nodes().len(), 1);
-    let error = Scene::open(Path::new("bad.nrrd"), &mut Recorder::default()).unwrap_err();
+    let error = Scene::open(Path::new("bad.nrrd"), &ReadOptions::default(), &mut Recorder::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "bad.nrrd: cannot load the volume bad.nrrd: unknown type"

@@ -118,7 +118,7 @@ impl Bench {
 
     fn measure(&self, published: &Published, renderer: &mut Renderer) -> Result<Row, CliError> {
         let name = format!("figure6-{}.kdl", published.part);
-        let scene = Scene::open(&self.scenes.join(&name), &mut VolumeFiles)?;
+        let scene = Scene::load(&self.scenes.join(&name), &mut VolumeFiles)?;
         let mut blocks = 0;
         let mut bytes = 0;
         let mut times = Vec::new();

@@ -13,7 +13,7 @@ use crate::model::Node;
 use crate::model::deform::{Morph, WarpReport};
 use crate::scene::Scene;
 use crate::target::Target;
-use crate::volume::io::{self, VolumeInfo};
+use crate::volume::io::{self, Opened, VolumeInfo};
 
 /// Describe a scene or a volume
 #[derive(Debug, Args)]
@@ -41,11 +41,13 @@ impl Info {
     }
 
     fn volume(&self, path: &Path) -> Result<(), CliError> {
-        let info = io::read(path)?.info();
+        let volumes = io::open_all(path, &self.source.read_options()?)?;
+        let volumes: Vec<_> = volumes.into_iter().map(Opened::info).collect::<Result<_, _>>()?;
         if self.json {
-            print_json(&json!({ "volumes": [info] }))
+            print_json(&json!({ "volumes": volumes }))
         } else {
-            print(&volume_text(&info))
+            let texts: Vec<_> = volumes.iter().map(volume_text).collect();
+            print(&texts.join("\n\n"))
         }
     }
 
@@ -66,12 +68,17 @@ fn volume_text(info: &VolumeInfo) -> String {
     let [sx, sy, sz] = info.spacing;
     let [ox, oy, oz] = info.origin;
     let [dx, dy, dz] = [0, 3, 6].map(|i| format!("{:?}", &info.direction[i..i + 3]));
+    let name = match info.name.as_str() {
+        "" => String::new(),
+        name => format!("volume     {name}\n"),
+    };
     let missing = match info.non_finite {
         0 => String::new(),
         n => format!("\nnot finite {n} voxels"),
     };
+    let notes: String = info.notes.iter().map(|note| format!("\nnote       {note}")).collect();
     format!(
-        "format     {}\nsize       {nx} x {ny} x {nz} voxels of {}, {} frame(s)\nspacing    {sx} x {sy} x {sz} mm\norigin     {ox} {oy} {oz} mm (LPS)\ndirection  {dx} {dy} {dz}\nvalues     {} to {}, mean {:.4}{missing}",
+        "{name}format     {}\nsize       {nx} x {ny} x {nz} voxels of {}, {} frame(s)\nspacing    {sx} x {sy} x {sz} mm\norigin     {ox} {oy} {oz} mm (LPS)\ndirection  {dx} {dy} {dz}\nvalues     {} to {}, mean {:.4}{missing}{notes}",
         info.format,
         info.voxel.name(),
         info.frames,

@@ -111,7 +111,8 @@ impl MeshCommand {
     }
 
     fn of_volume(&self, stages: &mut Stages) -> Result<Mesh, CliError> {
-        let mut grid = stages.time("load", || io::read(&self.source.path))?.grid;
+        let options = self.source.read_options()?;
+        let mut grid = stages.time("load", || io::read_with(&self.source.path, &options))?.grid;
         if self.average {
             let averaged = stages.time("average", || averaged_slices(&grid));
             grid = averaged.map_err(|error| CliError::Usage(error.to_string()))?;

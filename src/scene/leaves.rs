@@ -7,11 +7,11 @@ use glam::{DAffine3, DVec3};
 use super::element::{Element, Value};
 use super::error::{Problem, SceneError};
 use super::loader::{MeshRequest, VolumeRequest};
-use crate::math::{Interval, Plane};
+use crate::math::{Interval, Plane, affine};
 use crate::model::Admitted;
 use crate::volume::VoxelType;
-use crate::volume::io::ByteOrder;
 use crate::volume::io::raw::RawLayout;
+use crate::volume::io::{ByteOrder, ReadOptions};
 
 type Result<T> = std::result::Result<T, SceneError>;
 
@@ -26,6 +26,74 @@ pub(super) fn plane(element: &Element) -> Result<Plane> {
 pub(super) fn volume_request(element: &Element, base_dir: &Path) -> Result<VolumeRequest> {
     Ok(VolumeRequest {
         path: base_dir.join(element.argument(0).string()?),
+        options: read_options(element)?,
+    })
+}
+
+/// The text of a scene of what `request` asks for, and nothing else.
+pub(super) fn volume_text(request: &VolumeRequest) -> String {
+    let mut node = kdl::KdlNode::new("volume");
+    node.push(kdl::KdlEntry::new(request.path.to_string_lossy().into_owned()));
+    let options = &request.options;
+    let indices = [
+        ("frame", options.frame),
+        ("component", options.component),
+        ("resolution", options.resolution),
+    ];
+    for (key, index) in indices {
+        index.map(|n| node.insert(key, n as i128));
+    }
+    for (key, name) in [("series", &options.series), ("array", &options.array)] {
+        name.clone().map(|name| node.insert(key, name));
+    }
+    if options.resample {
+        node.insert("resample", true);
+    }
+    if let Some(layout) = &options.raw {
+        insert_layout(&mut node, layout);
+    }
+    let mut scene = kdl::KdlNode::new("scene");
+    scene.ensure_children().nodes_mut().push(node);
+    let mut document = kdl::KdlDocument::new();
+    document.nodes_mut().push(scene);
+    document.autoformat();
+    document.to_string()
+}
+
+/// The properties of a file without a header. Of its place only the spacing is said: a scene has no other property for it.
+fn insert_layout(node: &mut kdl::KdlNode, layout: &RawLayout) {
+    let words = |numbers: [String; 3]| numbers.join(" ");
+    let spacing = affine::spacing(&layout.world_from_index).to_array();
+    node.insert("dims", words(layout.dims.map(|n| n.to_string())));
+    node.insert("type", layout.voxel.name());
+    node.insert("spacing", words(spacing.map(|mm| mm.to_string())));
+    node.insert(
+        "endian",
+        if layout.order == ByteOrder::Little {
+            "little"
+        } else {
+            "big"
+        },
+    );
+    node.insert("skip", i128::from(layout.offset));
+}
+
+/// Which volume of its file a node means, and what a file without a header holds.
+fn read_options(element: &Element) -> Result<ReadOptions> {
+    let index = |key| {
+        element
+            .get(key)
+            .map(|v| v.whole(0, u32::MAX).map(|n| n as usize))
+            .transpose()
+    };
+    let name = |key| element.get(key).map(|v| v.string().map(str::to_owned)).transpose();
+    Ok(ReadOptions {
+        frame: index("frame")?,
+        series: name("series")?,
+        array: name("array")?,
+        component: index("component")?,
+        resolution: index("resolution")?,
+        resample: element.get("resample").map_or(Ok(false), |v| v.boolean())?,
         raw: raw_layout(element)?,
     })
 }
@@ -48,7 +116,7 @@ pub(super) fn mask_request(element: &Element, base_dir: &Path) -> Result<Option<
         (None, None) => Ok(None),
         (Some(mask), _) => Ok(Some(VolumeRequest {
             path: base_dir.join(mask.string()?),
-            raw: None,
+            options: ReadOptions::default(),
         })),
     }
 }
@@ -92,13 +160,13 @@ const RAW_VOXELS: &[(&str, VoxelType)] = &[
 /// The layout of a headerless file: all of it or nothing is said.
 fn raw_layout(element: &Element) -> Result<Option<RawLayout>> {
     let Some(dims) = element.get("dims") else {
-        let stray = ["type", "spacing", "endian"]
+        let stray = ["type", "spacing", "endian", "skip"]
             .into_iter()
             .find(|key| element.get(key).is_some());
         return match stray {
             Some(key) => Err(element.error_of(
                 key,
-                Problem::Conflict("`type`, `spacing` and `endian` go with `dims`, for files without a header"),
+                Problem::Conflict("`type`, `spacing`, `endian` and `skip` go with `dims`, for files without a header"),
             )),
             None => Ok(None),
         };
@@ -110,7 +178,7 @@ fn raw_layout(element: &Element) -> Result<Option<RawLayout>> {
         order: element
             .get("endian")
             .map_or(Ok(ByteOrder::Little), |v| v.one_of(&orders))?,
-        offset: 0,
+        offset: element.get("skip").map_or(Ok(0), |v| v.whole(0, u32::MAX))?.into(),
         world_from_index: DAffine3::from_scale(raw_spacing(element)?),
     }))
 }

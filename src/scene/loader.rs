@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::volume::Bricks;
-use crate::volume::io::{self, raw};
+use crate::volume::io::{self, Opened, ReadOptions};
 use crate::voxelize::mesh::{TriangleSolid, read};
 
 /// A volume that a scene asks for.
@@ -12,8 +12,8 @@ use crate::voxelize::mesh::{TriangleSolid, read};
 pub struct VolumeRequest {
     /// The file.
     pub path: PathBuf,
-    /// What it holds, when it has no header of its own.
-    pub raw: Option<raw::RawLayout>,
+    /// Which volume of the file, and what a file without a header holds.
+    pub options: ReadOptions,
 }
 
 /// A mesh that a scene asks for.
@@ -107,12 +107,9 @@ pub struct VolumeFiles;
 
 impl VolumeLoader for VolumeFiles {
     fn load(&mut self, request: &VolumeRequest) -> Result<Arc<Bricks>, String> {
-        let volume = match &request.raw {
-            Some(layout) => raw::read(&request.path, layout),
-            None => io::read(&request.path),
-        };
-        volume
-            .map(|volume| Arc::new(Bricks::new(&volume.grid)))
+        io::open(&request.path, &request.options)
+            .and_then(Opened::bricks)
+            .map(Arc::new)
             .map_err(|error| error.to_string())
     }
 

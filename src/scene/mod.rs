@@ -62,6 +62,7 @@ pub use transfer::{TransferChoice, TransferSpec};
 use crate::math::Interval;
 use crate::model::{Kind, Model, Node, VolumeLeaf};
 use crate::projection::{Mode, Projection, Settings, View};
+use crate::volume::io::ReadOptions;
 use appearance::Appearance;
 use tree::{TreeBuilder, scene_element};
 
@@ -143,14 +144,14 @@ impl Scene {
         }
     }
 
-    /// The scene of one volume file and nothing else.
+    /// The scene of the volume that `options` name in the file at `path`, and nothing else.
     ///
     /// # Errors
     /// If the volume cannot be loaded.
-    pub fn of_volume(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+    pub fn of_volume(path: &Path, options: &ReadOptions, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
         let request = VolumeRequest {
             path: path.to_owned(),
-            raw: None,
+            options: options.clone(),
         };
         let fails = |reason| SceneError::of_file(&path.to_string_lossy(), Problem::Volume(reason));
         let bricks = loader.load(&request).map_err(fails)?;
@@ -159,8 +160,7 @@ impl Scene {
             bricks,
             window: Interval::ALL,
         }));
-        let name = kdl::KdlValue::from(path.to_string_lossy().into_owned());
-        let source = Source::new("scene.kdl", format!("scene {{\n    volume {name}\n}}\n"));
+        let source = Source::new("scene.kdl", leaves::volume_text(&request));
         let mut scene = Self::assembled(model, Appearance::default(), source, Origin::default());
         scene.set_view(Self::BARE_VIEW)?;
         Ok(scene)
@@ -176,15 +176,15 @@ impl Scene {
         projection: Projection::Orthographic,
     };
 
-    /// The scene at `path`: a scene file if it ends in `.kdl`, else a bare volume.
+    /// The scene at `path`: a scene file if it ends in `.kdl`, else a bare volume, the one that `options` name.
     ///
     /// # Errors
     /// Those of [`Scene::load`] and [`Scene::of_volume`].
-    pub fn open(path: &Path, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
+    pub fn open(path: &Path, options: &ReadOptions, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
         if is_scene_file(path) {
             Self::load(path, loader)
         } else {
-            Self::of_volume(path, loader)
+            Self::of_volume(path, options, loader)
         }
     }
 

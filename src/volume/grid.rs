@@ -48,6 +48,51 @@ impl Voxels {
         for_type!(Voxels, self, v => of(v))
     }
 
+    /// No voxel of `voxel` type.
+    pub(super) fn none(voxel: VoxelType) -> Self {
+        match voxel {
+            VoxelType::U8 => Self::U8(Vec::new()),
+            VoxelType::I8 => Self::I8(Vec::new()),
+            VoxelType::U16 => Self::U16(Vec::new()),
+            VoxelType::I16 => Self::I16(Vec::new()),
+            VoxelType::U32 => Self::U32(Vec::new()),
+            VoxelType::I32 => Self::I32(Vec::new()),
+            VoxelType::F32 => Self::F32(Vec::new()),
+            VoxelType::F64 => Self::F64(Vec::new()),
+        }
+    }
+
+    /// Puts `next`, of the same type, behind these. The bytes that would be needed where there is no memory for them.
+    pub(super) fn append(&mut self, next: Self) -> Result<(), u64> {
+        fn joined<T>(voxels: &mut Vec<T>, mut next: Vec<T>) -> Result<(), u64> {
+            if voxels.is_empty() {
+                *voxels = next;
+                return Ok(());
+            }
+            let bytes = ((voxels.len() + next.len()) * size_of::<T>()) as u64;
+            voxels.try_reserve(next.len()).map_err(|_| bytes)?;
+            voxels.append(&mut next);
+            Ok(())
+        }
+        let types = (self.voxel_type(), next.voxel_type());
+        match (self, next) {
+            (Self::U8(v), Self::U8(next)) => joined(v, next),
+            (Self::I8(v), Self::I8(next)) => joined(v, next),
+            (Self::U16(v), Self::U16(next)) => joined(v, next),
+            (Self::I16(v), Self::I16(next)) => joined(v, next),
+            (Self::U32(v), Self::U32(next)) => joined(v, next),
+            (Self::I32(v), Self::I32(next)) => joined(v, next),
+            (Self::F32(v), Self::F32(next)) => joined(v, next),
+            (Self::F64(v), Self::F64(next)) => joined(v, next),
+            _ => panic!("voxels of two types put together: {types:?}"),
+        }
+    }
+
+    /// Their statistics, to go on with.
+    pub(super) fn tally(&self) -> Tally {
+        for_type!(Self, self, v => Tally::of(v))
+    }
+
     /// The voxel at linear index `i` (`< len()`).
     pub fn get(&self, i: usize) -> f64 {
         for_type!(Voxels, self, v => v[i].to_f64())
@@ -170,7 +215,7 @@ impl Grid {
 
     /// Smallest, largest and mean value, and how many are not finite.
     pub fn stats(&self) -> Stats {
-        for_type!(Voxels, &self.voxels, v => stats(v))
+        self.voxels.tally().stats()
     }
 }
 
@@ -187,25 +232,38 @@ pub(crate) fn voxel_count(dims: [usize; 3]) -> Result<usize, GridError> {
         .ok_or(GridError::TooLarge { dims })
 }
 
-/// The running part of [`Stats`].
+/// [`Stats`] of voxels that are still coming.
 #[derive(Clone, Copy)]
-struct Tally {
+pub(super) struct Tally {
     min: f64,
     max: f64,
     sum: f64,
     finite: usize,
+    non_finite: usize,
 }
 
 impl Tally {
-    const NONE: Self = Self {
+    /// Of no voxel.
+    pub const NONE: Self = Self {
         min: f64::INFINITY,
         max: f64::NEG_INFINITY,
         sum: 0.0,
         finite: 0,
+        non_finite: 0,
     };
 
-    fn with(self, v: f64) -> Self {
+    /// Chunks of fixed size are summed in their order, so that the mean does not depend on the number of threads.
+    fn of<T: Voxel>(voxels: &[T]) -> Self {
+        let chunks: Vec<Self> = voxels
+            .par_chunks(1 << 16)
+            .map(|chunk| chunk.iter().fold(Self::NONE, |tally, v| tally.with(v.to_f64())))
+            .collect();
+        chunks.into_iter().fold(Self::NONE, Self::join)
+    }
+
+    fn with(mut self, v: f64) -> Self {
         if !v.is_finite() {
+            self.non_finite += 1;
             return self;
         }
         self.join(Self {
@@ -213,32 +271,30 @@ impl Tally {
             max: v,
             sum: v,
             finite: 1,
+            non_finite: 0,
         })
     }
 
-    fn join(self, other: Self) -> Self {
+    /// Of both's voxels.
+    pub fn join(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
             sum: self.sum + other.sum,
             finite: self.finite + other.finite,
+            non_finite: self.non_finite + other.non_finite,
         }
     }
-}
 
-/// Chunks of fixed size are summed in their order, so that the mean does not depend on the number of threads.
-fn stats<T: Voxel>(voxels: &[T]) -> Stats {
-    let chunks: Vec<Tally> = voxels
-        .par_chunks(1 << 16)
-        .map(|chunk| chunk.iter().fold(Tally::NONE, |tally, v| tally.with(v.to_f64())))
-        .collect();
-    let all = chunks.into_iter().fold(Tally::NONE, Tally::join);
-    let some = |v: f64| if all.finite > 0 { v } else { f64::NAN };
-    Stats {
-        min: some(all.min),
-        max: some(all.max),
-        mean: all.sum / all.finite as f64,
-        non_finite: voxels.len() - all.finite,
+    /// What it comes to.
+    pub fn stats(&self) -> Stats {
+        let some = |v: f64| if self.finite > 0 { v } else { f64::NAN };
+        Stats {
+            min: some(self.min),
+            max: some(self.max),
+            mean: self.sum / self.finite as f64,
+            non_finite: self.non_finite,
+        }
     }
 }
 

@@ -1,38 +1,39 @@
 //! Volume files: one module a format.
 
 mod error;
+mod format;
 mod geometry;
 mod gunzip;
 pub mod nifti;
 pub mod nrrd;
 mod nrrd_header;
 mod nrrd_write;
+mod open;
 mod payload;
 pub mod raw;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use serde::Serialize;
 
 pub use self::error::{Position, Problem, ReadError};
+pub use self::format::{FORMATS, Format, open, open_all};
 pub use self::nrrd_write::{Encoding, NrrdBeside, WriteError, write as write_nrrd};
+pub use self::open::{Declared, Opened, ReadOptions};
 pub use self::payload::ByteOrder;
 use super::grid::Grid;
 use super::voxel::VoxelType;
-use crate::math::affine;
 
 /// What a file holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
-    /// The voxels; of a series, the first frame's.
+    /// The voxels.
     pub grid: Grid,
     /// The format's name.
     pub format: &'static str,
     /// How many volumes the file holds.
     pub frames: usize,
-    /// Numbers a voxel; the readers take one.
+    /// Numbers a voxel in the file, of which the grid has one, or what they are together.
     pub components: usize,
 }
 
@@ -41,9 +42,11 @@ pub struct Volume {
 pub struct VolumeInfo {
     /// The format's name.
     pub format: &'static str,
+    /// Which of the file's volumes it is; empty where there is but one.
+    pub name: String,
     /// Voxels along x, y, z.
     pub dims: [usize; 3],
-    /// How many volumes the file holds; what follows is the first one's.
+    /// How many volumes in time the file holds; what follows is one's.
     pub frames: usize,
     /// Numbers a voxel.
     pub components: usize,
@@ -63,84 +66,34 @@ pub struct VolumeInfo {
     pub mean: f64,
     /// How many voxels are NaN or infinite.
     pub non_finite: usize,
+    /// What a user should know of how it was read.
+    pub notes: Vec<String>,
 }
 
-impl Volume {
-    /// Its description.
-    pub fn info(&self) -> VolumeInfo {
-        let world_from_index = self.grid.world_from_index();
-        let spacing = affine::spacing(world_from_index);
-        let axes = world_from_index.matrix3.transpose();
-        let stats = self.grid.stats();
-        let rows = [axes.x_axis, axes.y_axis, axes.z_axis].map(|row| (row / spacing).to_array());
-        VolumeInfo {
-            format: self.format,
-            dims: self.grid.dims(),
-            frames: self.frames,
-            components: self.components,
-            voxel: self.grid.voxel_type(),
-            spacing: spacing.to_array(),
-            origin: world_from_index.translation.to_array(),
-            direction: std::array::from_fn(|i| rows[i / 3][i % 3]),
-            min: stats.min,
-            max: stats.max,
-            mean: stats.mean,
-            non_finite: stats.non_finite,
-        }
-    }
-}
-
-/// Suffixes of volume formats that are known, and not read.
-const NOT_READ: [(&str, &str); 11] = [
-    (".mha", "MetaImage"),
-    (".mhd", "MetaImage"),
-    (".dcm", "DICOM"),
-    (".vti", "VTK XML"),
-    (".vtk", "VTK legacy"),
-    (".tif", "TIFF"),
-    (".tiff", "TIFF"),
-    (".zarr", "Zarr"),
-    (".h5", "HDF5"),
-    (".npy", "NumPy"),
-    (".npz", "NumPy"),
-];
-
-/// Suffixes of NIfTI-1 files.
-const NIFTI: [&str; 6] = [".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"];
-
-/// Reads the volume file at `path`; its first bytes or its suffix tell the format.
+/// Reads the one volume in the file at `path`; its first bytes or its suffix tell the format.
 ///
 /// # Errors
 /// Whatever [`ReadError`] can say: what is wrong, where, and what the user can do.
 pub fn read(path: &Path) -> Result<Volume, ReadError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let name = name.to_ascii_lowercase();
-    if path.is_dir() {
-        return Err(ReadError::unsupported(path, "folders of slices are not supported yet"));
-    }
-    let start = first_bytes(path).map_err(|e| ReadError::io(path, e))?;
-    if start.starts_with(b"NRRD") || name.ends_with(".nrrd") || name.ends_with(".nhdr") {
-        return nrrd::read(path);
-    }
-    if NIFTI.iter().any(|suffix| name.ends_with(suffix)) {
-        return nifti::read(path);
-    }
-    Err(unknown(path, &name))
+    read_with(path, &ReadOptions::default())
 }
 
-fn first_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
-    let mut start = Vec::new();
-    File::open(path)?.take(8).read_to_end(&mut start)?;
-    Ok(start)
-}
-
-/// The error for a file of another format.
-fn unknown(path: &Path, name: &str) -> ReadError {
-    let known = NOT_READ.iter().find(|(suffix, _)| name.ends_with(suffix));
-    match known {
-        Some((_, format)) => ReadError::unsupported(path, format!("{format} files are not supported yet")),
-        None if name.ends_with(".raw") => ReadError::unsupported(path, "a raw file does not say what it holds")
-            .hint("give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it"),
-        None => ReadError::unsupported(path, "it is no volume file that is known"),
-    }
+/// Reads the volume that `options` name in the file or folder at `path`.
+///
+/// # Errors
+/// As [`read`], and if it holds no such volume, or several.
+pub fn read_with(path: &Path, options: &ReadOptions) -> Result<Volume, ReadError> {
+    let opened = open(path, options)?;
+    let Declared {
+        format,
+        frames,
+        components,
+        ..
+    } = *opened.declared();
+    Ok(Volume {
+        grid: opened.grid()?,
+        format,
+        frames,
+        components,
+    })
 }

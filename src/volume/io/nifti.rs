@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DQuat, DVec3};
 use nifti::NiftiHeader;
 
-use super::Volume;
 use super::error::ReadError;
+use super::format::Format;
 use super::geometry::{LPS_FROM_RAS, from_axes};
 use super::gunzip::{GZIP_MAGIC, Gunzip};
+use super::open::{Declared, Opened, ReadOptions};
 use super::payload::{ByteOrder, Payload, Stored, remaining};
 use crate::math::affine;
-use crate::volume::grid::{Grid, Voxels, voxel_count};
+use crate::volume::grid::{Voxels, voxel_count};
 use crate::volume::voxel::{Voxel, VoxelType, for_type};
 
 /// Bytes of the header.
@@ -28,31 +29,50 @@ const DEFAULT_OFFSET: u64 = 352;
 /// Intents whose fifth axis counts components: matrices, vectors, point sets, triangles, quaternions and colours.
 const COMPONENT_INTENTS: [i16; 9] = [1004, 1005, 1006, 1007, 1008, 1009, 1010, 2003, 2004];
 
-/// Reads the NIfTI-1 file at `path`; of a series, the first frame. Of a pair either file may be named.
-///
-/// # Errors
-/// Whatever [`ReadError`] can say: the file, the byte, and what to do.
-pub fn read(path: &Path) -> Result<Volume, ReadError> {
+/// NIfTI-1 among the formats.
+pub(super) const FORMAT: Format = Format {
+    name: "NIfTI-1",
+    suffixes: &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"],
+    reads: ".nii and .hdr with .img, plain and gzip; slope and intercept; sform, else qform",
+    recognises: |probe| !probe.is_folder && !probe.has_layout && probe.is_named(&FORMAT),
+    open: |path, options| Ok(vec![open(path, options)?]),
+};
+
+/// Opens the NIfTI-1 file at `path`. Of a pair either file may be named.
+fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
     let header_path = partner(path, "img", "hdr").unwrap_or_else(|| path.to_owned());
     let header = read_header(&header_path)?;
     let fields = Fields::new(&header_path, &header)?;
-    let voxels = match &header.magic {
-        b"n+1\0" => fields.read_voxels(&header_path, fields.offset.max(HEADER_BYTES))?,
+    let declared = Declared {
+        format: FORMAT.name,
+        name: String::new(),
+        dims: fields.dims,
+        voxel: match (rescaling(&header), fields.stored.voxel()) {
+            (None, voxel) => voxel,
+            (Some(_), VoxelType::F64) => VoxelType::F64,
+            (Some(_), _) => VoxelType::F32,
+        },
+        world_from_index: fields.world_from_index,
+        frames: fields.frames,
+        components: 1,
+        notes: Vec::new(),
+    };
+    let (data, offset) = match &header.magic {
+        b"n+1\0" => (header_path.clone(), fields.offset.max(HEADER_BYTES)),
         _ => {
             let data = partner(&header_path, "hdr", "img").ok_or_else(|| {
                 ReadError::header(&header_path, "its voxels' .img file is missing")
                     .hint("put the .img file of the same name beside it")
             })?;
-            fields.read_voxels(&data, fields.offset)?
+            (data, fields.offset)
         }
     };
-    let voxels = rescaled(voxels, &header);
-    let grid = Grid::new(fields.dims, fields.world_from_index, voxels).map_err(|e| ReadError::new(&header_path, e))?;
-    Ok(Volume {
-        grid,
-        format: "NIfTI-1",
-        frames: fields.frames,
-        components: 1,
+    Opened::at_once(header_path, declared, move || {
+        let voxels = fields.read_voxels(&data, offset)?;
+        Ok(match rescaling(&header) {
+            Some(by) => rescaled(voxels, by),
+            None => voxels,
+        })
     })
 }
 
@@ -257,12 +277,15 @@ fn spacing(header: &NiftiHeader) -> DVec3 {
     DVec3::new(size(header.pixdim[1]), size(header.pixdim[2]), size(header.pixdim[3]))
 }
 
-/// The voxels after the header's slope and intercept, as `f32` unless they are `f64`.
-fn rescaled(voxels: Voxels, header: &NiftiHeader) -> Voxels {
+/// The header's slope and intercept, where they change anything.
+fn rescaling(header: &NiftiHeader) -> Option<[f64; 2]> {
     let [slope, intercept] = [header.scl_slope, header.scl_inter].map(f64::from);
-    if slope == 0.0 || !slope.is_finite() || !intercept.is_finite() || (slope, intercept) == (1.0, 0.0) {
-        return voxels;
-    }
+    let said = slope != 0.0 && slope.is_finite() && intercept.is_finite();
+    (said && (slope, intercept) != (1.0, 0.0)).then_some([slope, intercept])
+}
+
+/// The voxels after slope and intercept, as `f32` unless they are `f64`.
+fn rescaled(voxels: Voxels, [slope, intercept]: [f64; 2]) -> Voxels {
     match voxels {
         Voxels::F64(v) => Voxels::F64(v.into_iter().map(|v| v * slope + intercept).collect()),
         voxels => Voxels::F32(for_type!(Voxels, voxels, v => {

@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
 
-use super::Volume;
 use super::error::{Problem, ReadError};
+use super::format::Format;
 use super::geometry::{LPS_FROM_LAS, LPS_FROM_RAS, from_axes, millimetres};
 use super::gunzip::Gunzip;
 use super::nrrd_header::Header;
+use super::open::{Declared, Opened, ReadOptions};
 use super::payload::{ByteOrder, Payload, Stored, remaining};
-use crate::volume::grid::{Grid, Voxels, voxel_count};
+use crate::volume::grid::{Voxels, voxel_count};
 use crate::volume::voxel::VoxelType;
 
 /// Kinds of axes along which voxels follow each other in space; other kinds are components or frames.
@@ -23,31 +24,42 @@ const SPATIAL_KINDS: [&str; 4] = ["domain", "space", "???", "none"];
 /// Kinds of a slowest axis that counts volumes.
 const FRAME_KINDS: [&str; 6] = ["time", "list", "domain", "space", "???", "none"];
 
-/// Reads the NRRD file, or the detached header, at `path`.
-///
-/// # Errors
-/// Whatever [`ReadError`] can say: the file, the line, and what to do.
-pub fn read(path: &Path) -> Result<Volume, ReadError> {
+/// NRRD among the formats.
+pub(super) const FORMAT: Format = Format {
+    name: "NRRD",
+    suffixes: &[".nrrd", ".nhdr"],
+    reads: "attached and detached headers; raw, gzip and text",
+    recognises: |probe| probe.start.starts_with(b"NRRD") || probe.is_named(&FORMAT),
+    open: |path, options| Ok(vec![open(path, options)?]),
+};
+
+/// Opens the NRRD file, or the detached header, at `path`.
+fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
     let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
     let mut file = BufReader::new(file);
     let header = Header::read(path, &mut file)?;
     let axes = Axes::new(path, &header)?;
     let count = voxel_count(axes.dims).map_err(|e| ReadError::new(path, e))?;
-    let world_from_index = world_from_index(path, &header, &axes)?;
-    let voxels = match data_file(path, &header)? {
-        None => read_data(path, &header, count, &mut file)?,
+    let declared = Declared {
+        format: FORMAT.name,
+        name: String::new(),
+        dims: axes.dims,
+        voxel: stored(&header)?.voxel(),
+        world_from_index: world_from_index(path, &header, &axes)?,
+        frames: axes.frames,
+        components: 1,
+        notes: Vec::new(),
+    };
+    let (data, mut file) = match data_file(path, &header)? {
+        None => (path.to_owned(), file),
         Some(data) => {
             let file = File::open(&data)
                 .map_err(|e| ReadError::io(&data, e).hint("the header's `data file` names it: put it there"))?;
-            read_data(&data, &header, count, &mut BufReader::new(file))?
+            (data, BufReader::new(file))
         }
     };
-    let grid = Grid::new(axes.dims, world_from_index, voxels).map_err(|e| ReadError::new(path, e))?;
-    Ok(Volume {
-        grid,
-        format: "NRRD",
-        frames: axes.frames,
-        components: 1,
+    Opened::at_once(path.to_owned(), declared, move || {
+        read_data(&data, &header, count, &mut file)
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use glam::DVec3;
@@ -13,8 +13,8 @@ use super::error::ReadError;
 const MAX_BYTES: u64 = 1 << 20;
 
 /// A header's fields.
-pub(super) struct Header<'a> {
-    path: &'a Path,
+pub(super) struct Header {
+    path: PathBuf,
     fields: BTreeMap<String, Field>,
 }
 
@@ -26,9 +26,9 @@ pub(super) struct Field {
     pub value: String,
 }
 
-impl<'a> Header<'a> {
+impl Header {
     /// Reads a header, and the empty line that ends it.
-    pub(super) fn read(path: &'a Path, reader: &mut impl BufRead) -> Result<Self, ReadError> {
+    pub(super) fn read(path: &Path, reader: &mut impl BufRead) -> Result<Self, ReadError> {
         let mut lines = Lines {
             path,
             reader: reader.take(MAX_BYTES),
@@ -39,7 +39,7 @@ impl<'a> Header<'a> {
             return Err(ReadError::header(path, "it does not start with NRRD000…").line(1));
         }
         let mut header = Self {
-            path,
+            path: path.to_owned(),
             fields: BTreeMap::new(),
         };
         while let Some(line) = lines.next()?.filter(|line| !line.is_empty()) {
@@ -54,7 +54,7 @@ impl<'a> Header<'a> {
         }
         let Some((name, value)) = line.split_once(':') else {
             let what = format!("`{}` is no `field: value`", shortened(line));
-            return Err(ReadError::header(self.path, what).line(number));
+            return Err(ReadError::header(&self.path, what).line(number));
         };
         if value.starts_with('=') {
             return Ok(());
@@ -66,7 +66,7 @@ impl<'a> Header<'a> {
         match self.fields.insert(canonical(name), field) {
             Some(first) => {
                 let what = format!("`{name}` is given a second time (first in line {})", first.line);
-                Err(ReadError::header(self.path, what).line(number))
+                Err(ReadError::header(&self.path, what).line(number))
             }
             None => Ok(()),
         }
@@ -80,7 +80,7 @@ impl<'a> Header<'a> {
     /// The field of this name, which has to be there.
     pub(super) fn need(&self, name: &str) -> Result<&Field, ReadError> {
         self.get(name)
-            .ok_or_else(|| ReadError::header(self.path, format!("the header has no `{name}`")))
+            .ok_or_else(|| ReadError::header(&self.path, format!("the header has no `{name}`")))
     }
 
     /// The words of a field as numbers; `None` without the field.
@@ -126,7 +126,7 @@ impl<'a> Header<'a> {
     /// The error that `field` says `what`, which it cannot.
     pub(super) fn bad(&self, field: &Field, what: &str) -> ReadError {
         let what = format!("`{}` is not a value of this field", shortened(what));
-        ReadError::header(self.path, what).line(field.line)
+        ReadError::header(&self.path, what).line(field.line)
     }
 }
 

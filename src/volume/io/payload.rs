@@ -28,6 +28,14 @@ pub(super) enum Stored {
 }
 
 impl Stored {
+    /// The type that they are kept in.
+    pub(super) fn voxel(self) -> VoxelType {
+        match self {
+            Self::Voxel(voxel) => voxel,
+            Self::I64 | Self::U64 => VoxelType::F64,
+        }
+    }
+
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::Voxel(voxel) => voxel.bytes(),

@@ -6,10 +6,11 @@ use std::path::Path;
 
 use glam::DAffine3;
 
-use super::Volume;
 use super::error::ReadError;
+use super::format::Format;
+use super::open::{Declared, Opened};
 use super::payload::{ByteOrder, Payload, Stored};
-use crate::volume::grid::{Grid, voxel_count};
+use crate::volume::grid::{Voxels, voxel_count};
 use crate::volume::voxel::VoxelType;
 
 /// What a file of raw voxels does not say itself.
@@ -27,11 +28,36 @@ pub struct RawLayout {
     pub world_from_index: DAffine3,
 }
 
-/// Reads the raw voxels in the file at `path`.
-///
-/// # Errors
-/// Whatever [`ReadError`] can say; among it that the file is too short for the layout.
-pub fn read(path: &Path, layout: &RawLayout) -> Result<Volume, ReadError> {
+/// Raw files among the formats.
+pub(super) const FORMAT: Format = Format {
+    name: "raw",
+    suffixes: &[".raw", ".bin", ".img"],
+    reads: "voxels whose size, type and spacing the user says",
+    recognises: |probe| !probe.is_folder && (probe.has_layout || probe.is_named(&FORMAT)),
+    open: |path, options| match &options.raw {
+        Some(layout) => Ok(vec![open(path, layout)?]),
+        None => Err(ReadError::unsupported(path, "a raw file does not say what it holds")
+            .hint("give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it")),
+    },
+};
+
+/// Opens the raw voxels in the file at `path`.
+fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
+    let declared = Declared {
+        format: FORMAT.name,
+        name: String::new(),
+        dims: layout.dims,
+        voxel: layout.voxel,
+        world_from_index: layout.world_from_index,
+        frames: 1,
+        components: 1,
+        notes: Vec::new(),
+    };
+    let (path, layout) = (path.to_owned(), *layout);
+    Opened::at_once(path.clone(), declared, move || read(&path, &layout))
+}
+
+fn read(path: &Path, layout: &RawLayout) -> Result<Voxels, ReadError> {
     let io_error = |e| ReadError::io(path, e);
     let payload = Payload {
         path,
@@ -41,14 +67,7 @@ pub fn read(path: &Path, layout: &RawLayout) -> Result<Volume, ReadError> {
     };
     let mut file = BufReader::new(File::open(path).map_err(io_error)?);
     file.seek(SeekFrom::Start(layout.offset)).map_err(io_error)?;
-    let voxels = payload
+    payload
         .read_raw(&mut file)
-        .map_err(|e| e.hint("give the size, type and offset that the file has"))?;
-    let grid = Grid::new(layout.dims, layout.world_from_index, voxels).map_err(|e| ReadError::new(path, e))?;
-    Ok(Volume {
-        grid,
-        format: "raw",
-        frames: 1,
-        components: 1,
-    })
+        .map_err(|e| e.hint("give the size, type and offset that the file has"))
 }
