@@ -13,6 +13,7 @@ use std::sync::LazyLock;
 
 use glam::DVec2;
 
+use super::cubic;
 use super::profile::Profile;
 use super::revolved;
 
@@ -52,39 +53,17 @@ pub fn density(distance: f64, along: f64, tangent: f64) -> Option<f64> {
     if !COVERED.contains(&half_angle) || along > last {
         return None;
     }
-    let (d, by_distance) = cubic(0.5 * (distance + 1.0), ENTRIES[0]);
-    let (s, by_place) = cubic((along - FIRST) / (last - FIRST), ENTRIES[1]);
-    let (a, by_angle) = cubic(
-        (half_angle - HALF_ANGLES[0]) / (HALF_ANGLES[1] - HALF_ANGLES[0]),
-        ENTRIES[2],
-    );
+    let place = |part: f64, axis: usize| cubic::clamped(part * (ENTRIES[axis] - 1) as f64, ENTRIES[axis]);
+    let (d, by_distance) = place(0.5 * (distance + 1.0), 0);
+    let (s, by_place) = place((along - FIRST) / (last - FIRST), 1);
+    let (a, by_angle) = place((half_angle - HALF_ANGLES[0]) / (HALF_ANGLES[1] - HALF_ANGLES[0]), 2);
     let table = &*TABLE;
     let row = |s: usize, a: usize| {
         let start = ENTRIES[0] * (s + ENTRIES[1] * a);
-        weigh(d.map(|d| f64::from(table[start + d])), by_distance)
+        cubic::weigh(d.map(|d| f64::from(table[start + d])), by_distance)
     };
-    let sheet = |a: usize| weigh(s.map(|s| row(s, a)), by_place);
-    Some(weigh(a.map(sheet), by_angle).clamp(0.0, 1.0))
-}
-
-fn weigh(values: [f64; 4], weights: [f64; 4]) -> f64 {
-    values.iter().zip(weights).map(|(value, weight)| value * weight).sum()
-}
-
-/// The four entries round the part `t` of the way from the first to the last, and their weights: Catmull and Rom's cubic. The
-/// first and the last stand for those beyond them.
-fn cubic(t: f64, count: usize) -> ([usize; 4], [f64; 4]) {
-    let x = t.clamp(0.0, 1.0) * (count - 1) as f64;
-    let n = (x as usize).min(count - 2);
-    let x = x - n as f64;
-    let entries = [n.saturating_sub(1), n, n + 1, (n + 2).min(count - 1)];
-    let weights = [
-        -0.5 * x * (1.0 - x) * (1.0 - x),
-        1.0 + x * x * (1.5 * x - 2.5),
-        x * (0.5 + x * (2.0 - 1.5 * x)),
-        -0.5 * x * x * (1.0 - x),
-    ];
-    (entries, weights)
+    let sheet = |a: usize| cubic::weigh(s.map(|s| row(s, a)), by_place);
+    Some(cubic::weigh(a.map(sheet), by_angle).clamp(0.0, 1.0))
 }
 
 /// The density by integration over lines along the axis.

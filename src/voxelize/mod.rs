@@ -12,6 +12,7 @@
 mod apex;
 pub mod ball;
 pub mod beams;
+mod cubic;
 pub mod curved;
 pub mod facet;
 pub mod filter;
@@ -23,6 +24,7 @@ mod primitive;
 mod profile;
 mod relief;
 pub mod revolved;
+mod screw;
 mod solid;
 mod thread;
 

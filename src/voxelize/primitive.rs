@@ -75,13 +75,10 @@ impl Primitive {
                 local_from_world: DAffine3::IDENTITY,
             };
         }
-        let (solid, hollow) = match support {
-            Some(_) => (self.solid.softened(), self.hollow.as_ref().map(Solid::softened)),
-            None => (self.solid.clone(), self.hollow.clone()),
-        };
+        let softened = |solid: &Solid| support.as_ref().map_or(solid.clone(), |by| solid.softened(by));
         Placed {
-            solid,
-            hollow,
+            solid: softened(&self.solid),
+            hollow: self.hollow.as_ref().map(softened),
             support,
             wider: None,
             value: self.value,
@@ -118,7 +115,13 @@ impl Placed {
             support: Support::new(support.local_from_unit * Grade::WIDER),
             grade: grade.moved(&self.local_from_world.inverse()),
         });
-        Self { wider, ..self }
+        let softened = |solid: Solid| wider.as_ref().map_or(solid.clone(), |by| solid.softened(&by.support));
+        Self {
+            solid: softened(self.solid),
+            hollow: self.hollow.map(softened),
+            wider,
+            ..self
+        }
     }
 
     /// The widest filter that it is sampled with.

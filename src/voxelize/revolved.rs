@@ -170,22 +170,30 @@ fn knots(profile: &Profile, z: f64, reach: f64) -> Vec<f64> {
 pub fn integrated(profile: &Profile, p: DVec3, support: &Support) -> f64 {
     let lines = Lines::new(p, support);
     let knots = knots(profile, p.z, support.reach);
-    let sum = over_rings(&lines, &knots, &[], |rho, at| {
-        profile
-            .interval(rho)
-            .map_or(0.0, |interval| lines.stretch(at, interval))
-    });
+    let sum = over_rings(
+        &lines,
+        &knots,
+        &[],
+        |rho| profile.interval(rho),
+        |interval, _, at| lines.stretch(at, interval),
+    );
     sum.clamp(0.0, 1.0)
 }
 
-/// The integral of `f`, given a distance from the axis and a point there, over the lines of `lines`, in rings about the axis:
-/// smooth between the distances `knots` and the directions `cuts` (radians), each rising.
-pub(super) fn over_rings(lines: &Lines, knots: &[f64], cuts: &[f64], f: impl Fn(f64, DVec2) -> f64) -> f64 {
+/// The integral of `f`, given the solid's `interval` of heights at a distance from the axis, a direction (radians) and the point there, over the
+/// lines of `lines`, in rings about the axis: smooth between the distances `knots` and the directions `cuts`, each rising.
+pub(super) fn over_rings(
+    lines: &Lines,
+    knots: &[f64],
+    cuts: &[f64],
+    interval: impl Fn(f64) -> Option<(f64, f64)>,
+    f: impl Fn((f64, f64), f64, DVec2) -> f64,
+) -> f64 {
     if lines.is_ball {
-        rings(&RADII, &ANGLES, lines, knots, cuts, f)
+        rings(&RADII, &ANGLES, lines, knots, cuts, interval, f)
     } else {
         // A stretched ball fills its rings less evenly, and is the rarer case.
-        rings(&MANY_RADII, &MANY_ANGLES, lines, knots, cuts, f)
+        rings(&MANY_RADII, &MANY_ANGLES, lines, knots, cuts, interval, f)
     }
 }
 
@@ -196,15 +204,19 @@ fn rings<const R: usize, const A: usize>(
     lines: &Lines,
     knots: &[f64],
     cuts: &[f64],
-    f: impl Fn(f64, DVec2) -> f64,
+    interval: impl Fn(f64) -> Option<(f64, f64)>,
+    f: impl Fn((f64, f64), f64, DVec2) -> f64,
 ) -> f64 {
     let (distance, reach) = (lines.middle().length(), lines.reach);
     let towards = lines.middle().to_angle();
     let mut sum = 0.0;
     for (from, to) in stretches((distance - reach).max(0.0), distance + reach, knots) {
         for (rho, weight) in radii.over(from, to) {
+            let Some(interval) = interval(rho) else {
+                continue;
+            };
             let half = half_angle(distance, rho, reach);
-            let at = |angle: f64| f(rho, DVec2::from_angle(angle) * rho);
+            let at = |angle: f64| f(interval, angle, DVec2::from_angle(angle) * rho);
             let arcs = stretches(towards - half, towards + half, cuts);
             let ring: f64 = arcs.map(|(from, to)| angles.integrate(from, to, at)).sum();
             sum += weight * rho * ring;

@@ -216,9 +216,10 @@ impl Solid {
         }
     }
 
-    /// The same solid, as it is quickest to find densities of.
-    pub fn softened(&self) -> Self {
+    /// The same solid, as it is quickest to find densities of by the filter `support`.
+    pub fn softened(&self, support: &Support) -> Self {
         match self {
+            Self::Thread(thread) if support.is_ball => Self::Thread(thread.tabulated(support.reach).into()),
             Self::Box(bounds) => Self::Polyhedron(Polyhedron::cuboid(bounds)),
             _ => self.clone(),
         }
@@ -297,9 +298,12 @@ fn over_corners(region: &Aabb, distance: impl Fn(DVec3) -> f64) -> DistanceRange
 /// The density of a ball about the origin under a stretched support.
 fn ball_integrated(p: DVec3, radius: f64, support: &Support) -> f64 {
     let lines = lines::Lines::new(p, support);
-    let sum = revolved::over_rings(&lines, &[radius], &[], |rho, at| {
+    let interval = |rho: f64| {
         let half = (radius * radius - rho * rho).max(0.0).sqrt();
-        lines.stretch(at, (-half, half))
+        Some((-half, half))
+    };
+    let sum = revolved::over_rings(&lines, &[radius], &[], interval, |interval, _, at| {
+        lines.stretch(at, interval)
     });
     sum.clamp(0.0, 1.0)
 }
