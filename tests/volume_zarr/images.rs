@@ -74,8 +74,8 @@ fn a_resolution_a_channel_and_a_time_are_chosen() {
 
 #[test]
 fn scale_translation_and_units_are_a_place_in_millimetres() {
-    let place = *image().open(&ReadOptions::default()).unwrap().declared();
-    let place = place.world_from_index;
+    let fine = image().open(&ReadOptions::default()).unwrap();
+    let place = fine.declared().world_from_index;
     assert_eq!(place.matrix3.x_axis, DVec3::new(0.5, 0.0, 0.0));
     // 5e5 nm and 2e3 µm, as products of numbers that have no exact binary form.
     assert!((place.matrix3.y_axis - DVec3::new(0.0, 0.5, 0.0)).length() < 1e-15);
