@@ -1,5 +1,5 @@
 # Every target sets up what it needs first; `make setup` installs only what is missing.
-.PHONY: setup demo test explore bench docs check clean
+.PHONY: setup demo test explore fuzz bench docs check clean
 
 setup:
 	@tools/setup
@@ -16,6 +16,11 @@ CASES ?= 1000
 explore: setup
 	@echo "PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=$(CASES)"
 	@PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=$(CASES) cargo test --release --no-fail-fast
+
+# Arbitrary files for the readers of volumes, ten minutes each: `make fuzz FORMAT=nrrd SECONDS=60`.
+SECONDS ?= 600
+fuzz: setup
+	@tools/fuzz/run "$(FORMAT)" "$(SECONDS)"
 
 bench: setup
 	@target/deps/vtk/bin/python tools/peers/volumes.py >/dev/null

@@ -49,6 +49,15 @@ pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
     }
 }
 
+/// A bar on stderr for `bytes` of voxels, with how many come a second; nothing where stderr is no terminal.
+pub(super) fn loading_progress(bytes: u64) -> ProgressBar {
+    let bar = ProgressBar::new(bytes).with_prefix("load");
+    match ProgressStyle::with_template("{prefix:>12} {bar:40} {percent:>3} %  {elapsed}, {binary_bytes_per_sec}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
 /// A bar on stderr for `length` frames, with the time that is left; nothing where stderr is no terminal.
 pub(super) fn frames_progress(length: u64) -> ProgressBar {
     let bar = ProgressBar::new(length).with_prefix("frames");

@@ -15,7 +15,7 @@ use super::render::Render;
 use super::sequence::Sequence;
 use super::video;
 use crate::image::save;
-use crate::scene::{Remembered, VolumeFiles};
+use crate::scene::Remembered;
 
 /// Which frames are drawn.
 #[derive(Debug, Args)]
@@ -54,7 +54,7 @@ impl FrameArgs {
             video::check(video, &render.output)?;
         }
         let mut stages = Stages::default();
-        let mut loader = Remembered::new(VolumeFiles);
+        let mut loader = Remembered::new(render.source.files());
         let scene = stages.time("load", || render.source.load_with(&mut loader))?;
         let Some(animation) = &scene.animation else {
             let why = "the scene has no `animation` node: without one all frames are the same";

@@ -1,7 +1,5 @@
 //! `vcsg info`: what a scene or a volume holds.
 
-use std::path::Path;
-
 use clap::Args;
 use serde_json::json;
 
@@ -13,7 +11,7 @@ use crate::model::Node;
 use crate::model::deform::{Morph, WarpReport};
 use crate::scene::Scene;
 use crate::target::Target;
-use crate::volume::io::{self, Opened, VolumeInfo};
+use crate::volume::io::{Opened, VolumeInfo};
 
 /// Describe a scene or a volume
 #[derive(Debug, Args)]
@@ -32,16 +30,15 @@ pub(super) struct Info {
 impl Info {
     /// Prints the description.
     pub fn run(&self) -> Result<(), CliError> {
-        let path = &self.source.path;
-        if crate::scene::is_scene_file(path) {
+        if crate::scene::is_scene_file(&self.source.path) {
             self.scene()
         } else {
-            self.volume(path)
+            self.volumes()
         }
     }
 
-    fn volume(&self, path: &Path) -> Result<(), CliError> {
-        let volumes = io::open_all(path, &self.source.read_options()?)?;
+    fn volumes(&self) -> Result<(), CliError> {
+        let volumes = self.source.open_volumes()?;
         let volumes: Vec<_> = volumes.into_iter().map(Opened::info).collect::<Result<_, _>>()?;
         if self.json {
             print_json(&json!({ "volumes": volumes }))

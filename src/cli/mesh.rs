@@ -15,7 +15,7 @@ use crate::surface::{Border, Creases, Cutter, Operation, SolidOptions, combine, 
 use crate::surface::{
     Measures, Mesh, SimplifyGoal, Topology, extract, extract_target, keep_largest, keep_touching, simplify,
 };
-use crate::volume::{Grid, averaged_slices, io};
+use crate::volume::{Grid, averaged_slices};
 
 /// Extract the surface of a scene or a volume
 #[derive(Debug, Args)]
@@ -111,8 +111,8 @@ impl MeshCommand {
     }
 
     fn of_volume(&self, stages: &mut Stages) -> Result<Mesh, CliError> {
-        let options = self.source.read_options()?;
-        let mut grid = stages.time("load", || io::read_with(&self.source.path, &options))?.grid;
+        let opened = self.source.open_volume()?;
+        let mut grid = stages.time("load", || opened.grid())?;
         if self.average {
             let averaged = stages.time("average", || averaged_slices(&grid));
             grid = averaged.map_err(|error| CliError::Usage(error.to_string()))?;

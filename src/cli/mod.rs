@@ -11,6 +11,7 @@ mod frames;
 mod info;
 mod job;
 mod levels;
+mod loading;
 mod mesh;
 mod overrides;
 mod render;

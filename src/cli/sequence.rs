@@ -7,6 +7,7 @@ use super::CliError;
 use super::console::Stages;
 use super::job::{Renderer, draw_paged, statistics};
 use super::levels;
+use super::loading::ShownFiles;
 use super::render::{DEFAULT_SIZE, Render, over_background};
 use super::surfaces::Surface;
 use crate::image::Frame;
@@ -15,14 +16,14 @@ use crate::model::Model;
 use crate::projection::presets::DataStatistics;
 use crate::projection::{Camera, FrameSpec, SoftNormals, TransferFunction};
 use crate::render::{PagedTarget, soft_normals};
-use crate::scene::{Remembered, Scene, TransferSpec, VolumeFiles};
+use crate::scene::{Remembered, Scene, TransferSpec};
 use crate::target::{Lattice, Target, TargetError, Update};
 
 /// A scene whose frames are drawn.
 pub(super) struct Sequence<'a> {
     render: &'a Render,
     scene: &'a Scene,
-    loader: Remembered<VolumeFiles>,
+    loader: Remembered<ShownFiles>,
     renderer: Renderer,
     shared: Shared,
     target: Option<Target>,
@@ -42,7 +43,7 @@ impl<'a> Sequence<'a> {
     pub fn new(
         render: &'a Render,
         scene: &'a Scene,
-        mut loader: Remembered<VolumeFiles>,
+        mut loader: Remembered<ShownFiles>,
         stages: &mut Stages,
     ) -> Result<Self, CliError> {
         let first = frame_scene(render, scene, 0, &mut loader)?;
@@ -125,7 +126,7 @@ fn frame_scene(
     render: &Render,
     scene: &Scene,
     number: u32,
-    loader: &mut Remembered<VolumeFiles>,
+    loader: &mut Remembered<ShownFiles>,
 ) -> Result<Scene, CliError> {
     let mut frame = scene.at_frame(number, loader)?;
     render.source.apply(&mut frame);
@@ -134,7 +135,7 @@ fn frame_scene(
 }
 
 /// The models of all frames, each that may differ from the others.
-fn models(scene: &Scene, first: &Scene, loader: &mut Remembered<VolumeFiles>) -> Result<Vec<Model>, CliError> {
+fn models(scene: &Scene, first: &Scene, loader: &mut Remembered<ShownFiles>) -> Result<Vec<Model>, CliError> {
     let mut models = vec![first.model.clone()];
     if let Some(animation) = scene.animation.as_ref().filter(|animation| animation.moves_model()) {
         for frame in 1..animation.frames {

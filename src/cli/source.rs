@@ -7,11 +7,12 @@ use clap::Args;
 use glam::{DAffine3, DVec3};
 
 use super::CliError;
+use super::loading::{ShownFiles, shown};
 use super::overrides::positive;
-use crate::scene::{Scene, VolumeFiles, VolumeLoader, is_scene_file};
+use crate::scene::{Scene, VolumeLoader, is_scene_file};
 use crate::volume::VoxelType;
 use crate::volume::io::raw::RawLayout;
-use crate::volume::io::{ByteOrder, ReadOptions};
+use crate::volume::io::{self, Budget, ByteOrder, Opened, ReadOptions};
 
 /// What is read, and what is changed of how its target is built.
 #[derive(Debug, Args)]
@@ -42,7 +43,7 @@ impl SourceArgs {
     ///
     /// # Errors
     /// If it is said of a scene, whose volumes say it themselves.
-    pub fn read_options(&self) -> Result<ReadOptions, CliError> {
+    fn read_options(&self) -> Result<ReadOptions, CliError> {
         let options = self.read.options();
         match is_scene_file(&self.path) && options != ReadOptions::default() {
             true => Err(CliError::Usage(format!(
@@ -53,9 +54,40 @@ impl SourceArgs {
         }
     }
 
+    /// Where a scene's volumes come from.
+    pub fn files(&self) -> ShownFiles {
+        let budget = self.read.budget();
+        ShownFiles { budget }
+    }
+
+    /// The volume that is named, opened.
+    ///
+    /// # Errors
+    /// As [`io::open`].
+    pub fn open_volume(&self) -> Result<Opened, CliError> {
+        Ok(shown(io::open(&self.path, &self.volume_options()?)?))
+    }
+
+    /// All volumes of the file or folder that is named, opened.
+    ///
+    /// # Errors
+    /// As [`io::open_all`].
+    pub fn open_volumes(&self) -> Result<Vec<Opened>, CliError> {
+        let volumes = io::open_all(&self.path, &self.volume_options()?)?;
+        Ok(volumes.into_iter().map(shown).collect())
+    }
+
+    /// Which volume of a file is meant, and what reading may take.
+    fn volume_options(&self) -> Result<ReadOptions, CliError> {
+        Ok(ReadOptions {
+            budget: self.read.budget(),
+            ..self.read_options()?
+        })
+    }
+
     /// The scene, with the options that were given in place of its own.
     pub fn load(&self) -> Result<Scene, CliError> {
-        self.load_with(&mut VolumeFiles)
+        self.load_with(&mut self.files())
     }
 
     /// The same, with volumes from `loader`.
@@ -110,9 +142,17 @@ struct ReadArgs {
     /// Bytes before the first
     #[arg(long, value_name = "BYTES", default_value = "0", requires = "raw_dims")]
     raw_skip: u64,
+    /// The most memory that reading a volume may take [default: half of what there is]
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
+    read_budget_mib: Option<u64>,
 }
 
 impl ReadArgs {
+    fn budget(&self) -> Budget {
+        self.read_budget_mib
+            .map_or_else(Budget::default, |mib| Budget::of_bytes(mib.saturating_mul(1 << 20)))
+    }
+
     fn options(&self) -> ReadOptions {
         let layout = self.raw_dims.zip(self.raw_type).map(|(dims, voxel)| RawLayout {
             dims,
@@ -133,6 +173,7 @@ impl ReadArgs {
             resolution: self.resolution,
             resample: self.resample,
             raw: layout,
+            budget: Budget::default(),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::math::{Interval, Plane, affine};
 use crate::model::Admitted;
 use crate::volume::VoxelType;
 use crate::volume::io::raw::RawLayout;
-use crate::volume::io::{ByteOrder, ReadOptions};
+use crate::volume::io::{Budget, ByteOrder, ReadOptions};
 
 type Result<T> = std::result::Result<T, SceneError>;
 
@@ -95,6 +95,7 @@ fn read_options(element: &Element) -> Result<ReadOptions> {
         resolution: index("resolution")?,
         resample: element.get("resample").map_or(Ok(false), |v| v.boolean())?,
         raw: raw_layout(element)?,
+        budget: Budget::default(),
     })
 }
 

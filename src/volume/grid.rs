@@ -1,5 +1,7 @@
 //! A typed scalar grid with its place in the world.
 
+use std::ops::Range;
+
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use thiserror::Error;
@@ -88,6 +90,47 @@ impl Voxels {
         }
     }
 
+    /// Puts zeros behind these until there are `count`. The bytes that would be needed where there is no memory for them.
+    pub(super) fn grow_to(&mut self, count: usize) -> Result<(), u64> {
+        fn grown<T: Voxel>(voxels: &mut Vec<T>, count: usize) -> Result<(), u64> {
+            let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
+            let more = count.saturating_sub(voxels.len());
+            voxels.try_reserve_exact(more).map_err(|_| bytes)?;
+            voxels.resize(voxels.len() + more, T::zeroed());
+            Ok(())
+        }
+        for_type!(Self, self, v => grown(v, count))
+    }
+
+    /// Puts the voxels of `region`, which are of the same type, in their places among those of a grid of `dims`.
+    pub(super) fn put(&mut self, dims: [usize; 3], region: &Region, voxels: &Self) {
+        fn put<T: Copy>(all: &mut [T], dims: [usize; 3], region: &Region, voxels: &[T]) {
+            for (row, voxels) in region.rows(dims).zip(voxels.chunks(region.size[0])) {
+                all[row].copy_from_slice(voxels);
+            }
+        }
+        let types = (self.voxel_type(), voxels.voxel_type());
+        match (self, voxels) {
+            (Self::U8(all), Self::U8(v)) => put(all, dims, region, v),
+            (Self::I8(all), Self::I8(v)) => put(all, dims, region, v),
+            (Self::U16(all), Self::U16(v)) => put(all, dims, region, v),
+            (Self::I16(all), Self::I16(v)) => put(all, dims, region, v),
+            (Self::U32(all), Self::U32(v)) => put(all, dims, region, v),
+            (Self::I32(all), Self::I32(v)) => put(all, dims, region, v),
+            (Self::F32(all), Self::F32(v)) => put(all, dims, region, v),
+            (Self::F64(all), Self::F64(v)) => put(all, dims, region, v),
+            _ => panic!("voxels of two types put together: {types:?}"),
+        }
+    }
+
+    /// Makes those of `region`, among those of a grid of `dims`, all `value`, which the type has.
+    pub(super) fn fill(&mut self, dims: [usize; 3], region: &Region, value: f64) {
+        fn fill<T: Voxel>(all: &mut [T], dims: [usize; 3], region: &Region, value: f64) {
+            region.rows(dims).for_each(|row| all[row].fill(T::nearest(value)));
+        }
+        for_type!(Self, self, all => fill(all, dims, region, value));
+    }
+
     /// Their statistics, to go on with.
     pub(super) fn tally(&self) -> Tally {
         for_type!(Self, self, v => Tally::of(v))
@@ -96,6 +139,46 @@ impl Voxels {
     /// The voxel at linear index `i` (`< len()`).
     pub fn get(&self, i: usize) -> f64 {
         for_type!(Voxels, self, v => v[i].to_f64())
+    }
+}
+
+/// A box of a grid's voxels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// The lowest voxel's index.
+    pub first: [usize; 3],
+    /// Voxels along x, y, z; none of them 0.
+    pub size: [usize; 3],
+}
+
+impl Region {
+    /// The boxes that a range of a grid's voxels in their order is made of, each with its part of the range: at most the end of a row,
+    /// rows to the end of a slice, slices, rows, and the start of a row.
+    pub(super) fn of_range([nx, ny, _]: [usize; 3], range: Range<usize>) -> impl Iterator<Item = (Self, Range<usize>)> {
+        let mut start = range.start;
+        std::iter::from_fn(move || {
+            let left = range.end - start;
+            let first = [start % nx, start / nx % ny, start / (nx * ny)];
+            let size = match first {
+                _ if left == 0 => return None,
+                [0, 0, _] if left >= nx * ny => [nx, ny, left / (nx * ny)],
+                [0, j, _] if left >= nx => [nx, (ny - j).min(left / nx), 1],
+                [i, ..] => [(nx - i).min(left), 1, 1],
+            };
+            let part = start..start + size.iter().product::<usize>();
+            start = part.end;
+            Some((Self { first, size }, part))
+        })
+    }
+
+    /// Where its rows are among the voxels of a grid of `dims`.
+    fn rows(&self, [nx, ny, _]: [usize; 3]) -> impl Iterator<Item = Range<usize>> {
+        let Self { first, size } = *self;
+        (0..size[1] * size[2]).map(move |row| {
+            let [j, k] = [first[1] + row % size[1], first[2] + row / size[1]];
+            let start = (k * ny + j) * nx + first[0];
+            start..start + size[0]
+        })
     }
 }
 
@@ -259,6 +342,17 @@ impl Tally {
             .map(|chunk| chunk.iter().fold(Self::NONE, |tally, v| tally.with(v.to_f64())))
             .collect();
         chunks.into_iter().fold(Self::NONE, Self::join)
+    }
+
+    /// Of `count` voxels that are `value`.
+    pub fn of_equal(value: f64, count: usize) -> Self {
+        let one = Self::NONE.with(value);
+        Self {
+            sum: one.sum * count as f64,
+            finite: one.finite * count,
+            non_finite: one.non_finite * count,
+            ..one
+        }
     }
 
     fn with(mut self, v: f64) -> Self {

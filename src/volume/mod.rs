@@ -8,9 +8,9 @@ pub mod io;
 mod reduce;
 mod voxel;
 
-pub use bricks::{BrickStore, Bricks, TypedBricks};
+pub use bricks::{BrickBuilder, BrickStore, Bricks, BuildError, TypedBricks};
 pub use field::{Field, Sample, SampleRange};
-pub use grid::{Grid, GridError, Stats, Voxels};
+pub use grid::{Grid, GridError, Region, Stats, Voxels};
 pub use reduce::averaged_slices;
 pub(crate) use voxel::for_type;
 pub use voxel::{Voxel, VoxelType};

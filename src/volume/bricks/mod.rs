@@ -8,6 +8,7 @@
 //! voxel that is NaN, infinite or above half of `f32::MAX` is missing, and so is (as NaN, which is in no value window) every
 //! sample whose eight voxels include it, whatever its weight.
 
+mod build;
 mod pyramid;
 mod sample;
 mod typed;
@@ -16,11 +17,12 @@ use std::fmt;
 
 use glam::{DAffine3, DMat3, DVec3};
 
+pub use self::build::{BrickBuilder, BuildError};
 use self::pyramid::Pyramid;
 pub use self::typed::TypedBricks;
 use super::field::{Field, Sample, SampleRange};
-use super::grid::{Grid, Voxels};
-use super::voxel::{Voxel, VoxelType, for_type, map_type};
+use super::grid::Grid;
+use super::voxel::{Voxel, VoxelType, for_type};
 use crate::math::{Aabb, Interval, affine};
 
 /// The bricks of a volume, by voxel type.
@@ -44,6 +46,16 @@ pub enum BrickStore {
     F64(TypedBricks<f64>),
 }
 
+impl BrickStore {
+    /// The voxels' type.
+    fn voxel_type(&self) -> VoxelType {
+        fn of<T: Voxel>(_: &TypedBricks<T>) -> VoxelType {
+            T::TYPE
+        }
+        for_type!(BrickStore, self, b => of(b))
+    }
+}
+
 /// A volume in sparse bricks.
 pub struct Bricks {
     dims: [usize; 3],
@@ -58,10 +70,17 @@ pub struct Bricks {
 impl Bricks {
     /// The bricks of `grid`.
     pub fn new(grid: &Grid) -> Self {
-        let dims = grid.dims();
-        let world_from_index = *grid.world_from_index();
+        let (dims, place, voxels) = (grid.dims(), *grid.world_from_index(), grid.voxels());
+        let bricks = BrickBuilder::new(dims, place, voxels.voxel_type(), u64::MAX).and_then(|mut builder| {
+            builder.append(voxels)?;
+            builder.finish()
+        });
+        bricks.expect("a grid has as many voxels as its size says")
+    }
+
+    /// The bricks of a grid of `dims` voxels, all of which have come.
+    fn of_store(dims: [usize; 3], world_from_index: DAffine3, store: BrickStore) -> Self {
         let index_from_world = world_from_index.inverse();
-        let store = map_type!(Voxels, grid.voxels(), BrickStore, v => TypedBricks::new(dims, v));
         Self {
             dims,
             world_from_index,
@@ -90,10 +109,7 @@ impl Bricks {
 
     /// The voxels' type.
     pub fn voxel_type(&self) -> VoxelType {
-        fn of<T: Voxel>(_: &TypedBricks<T>) -> VoxelType {
-            T::TYPE
-        }
-        for_type!(BrickStore, &self.store, b => of(b))
+        self.store.voxel_type()
     }
 
     /// The bricks in the voxels' own type, for copies.

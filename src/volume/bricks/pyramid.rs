@@ -4,11 +4,12 @@
 //! voxels that a box's samples can touch holds all of its samples.
 //! *Practice.* A base cell holds the samples whose lower voxel is one of its 8³, and so covers 9³ voxels; a position in the
 //! half voxel beyond the outermost centres is clamped to them and lies in the outermost cell. Each further level joins 2³
-//! cells. A query reads one level: the finest on which the box spans at most [`SPAN`] cells an axis.
+//! cells. The levels of cells smaller than a brick are kept for each brick that is not constant; those above are arrays. A query
+//! reads one level: the finest on which the box spans at most [`SPAN`] cells an axis.
 
 use rayon::prelude::*;
 
-use super::typed::TypedBricks;
+use super::typed::{Brick, EDGE, SHIFT, TypedBricks};
 use crate::math::Interval;
 use crate::volume::voxel::Voxel;
 
@@ -21,8 +22,17 @@ const SPAN: usize = 8;
 /// Ranges of the voxels' `f32` values over boxes of voxels. NaN voxels are in none of them.
 #[derive(Debug)]
 pub(super) struct Pyramid {
-    /// From the base (cells of 8³ sample positions) up to one cell.
+    /// The levels within a brick, for each; `None` where it is constant.
+    within: Vec<Option<Box<Within>>>,
+    /// From the bricks up to one cell.
     levels: Vec<Level>,
+}
+
+/// The ranges in a brick, level by level from the base on. Cells beyond the volume's end are empty.
+#[derive(Debug)]
+struct Within {
+    base: [Interval; 64],
+    joined: [Interval; 8],
 }
 
 #[derive(Debug)]
@@ -32,12 +42,27 @@ struct Level {
 }
 
 impl Pyramid {
+    /// Bytes for each constant brick, at least.
+    pub const BYTES_OF_BRICK: usize = size_of::<Option<Box<Within>>>() + size_of::<Interval>();
+
     pub(super) fn new<T: Voxel>(bricks: &TypedBricks<T>) -> Self {
-        let mut levels = vec![Level::base(bricks)];
+        let (within, ranges) = (0..bricks.count() as u64)
+            .into_par_iter()
+            .map(|index| match bricks.at(index) {
+                Brick::Constant(v) => (None, Interval::point(v.to_f32()).hull(Interval::EMPTY)),
+                Brick::Voxels(_) => {
+                    let within = Within::new(bricks, bricks.place(index));
+                    let range = hull(within.joined);
+                    (Some(Box::new(within)), range)
+                }
+            })
+            .unzip();
+        let dims = bricks.brick_dims();
+        let mut levels = vec![Level { dims, ranges }];
         while let Some(above) = levels[levels.len() - 1].above() {
             levels.push(above);
         }
-        Self { levels }
+        Self { within, levels }
     }
 
     /// The range over everything.
@@ -48,60 +73,133 @@ impl Pyramid {
     /// The range of the voxels that samples can touch whose lower voxels are `first..=last`.
     pub(super) fn range(&self, first: [usize; 3], last: [usize; 3]) -> Interval {
         let cells = |shift: u32| (first.map(|i| i >> shift), last.map(|i| i >> shift));
-        for (level, shift) in self.levels.iter().zip(BASE_SHIFT..) {
-            let (lo, hi) = cells(shift);
-            if (0..3).all(|a| hi[a] - lo[a] < SPAN) {
+        let is_near = |(lo, hi): &([usize; 3], [usize; 3])| (0..3).all(|a| hi[a] - lo[a] < SPAN);
+        for shift in BASE_SHIFT..SHIFT {
+            if let (lo, hi) = cells(shift)
+                && is_near(&(lo, hi))
+            {
+                return self.hull_within(shift, lo, hi);
+            }
+        }
+        for (level, shift) in self.levels.iter().zip(SHIFT..) {
+            if let (lo, hi) = cells(shift)
+                && is_near(&(lo, hi))
+            {
                 return level.hull(lo, hi);
             }
         }
         self.root()
     }
 
+    /// The hull of the cells `lo..=hi` of edge 2 to the `shift`, smaller than a brick.
+    fn hull_within(&self, shift: u32, lo: [usize; 3], hi: [usize; 3]) -> Interval {
+        let bits = SHIFT - shift;
+        let [first, last] = [lo, hi].map(|cell| cell.map(|c| c >> bits));
+        let bricks = &self.levels[0];
+        let mut hull = Interval::EMPTY;
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    let brick = [x, y, z];
+                    let index = bricks.index(brick);
+                    let range = match &self.within[index] {
+                        None => bricks.ranges[index],
+                        Some(within) => {
+                            let start = brick.map(|b| b << bits);
+                            let lo = std::array::from_fn(|a| lo[a].max(start[a]) - start[a]);
+                            let hi = std::array::from_fn(|a| (hi[a] - start[a]).min((1 << bits) - 1));
+                            within.hull(shift, lo, hi)
+                        }
+                    };
+                    hull = hull.hull(range);
+                }
+            }
+        }
+        hull
+    }
+
     pub(super) fn bytes(&self) -> usize {
         let cells: usize = self.levels.iter().map(|l| l.ranges.len()).sum();
-        cells * size_of::<Interval>()
+        let within = self.within.iter().flatten().count() * size_of::<Within>();
+        cells * size_of::<Interval>() + within + size_of_val(&*self.within)
     }
 }
 
-impl Level {
-    fn base<T: Voxel>(bricks: &TypedBricks<T>) -> Self {
-        let dims = bricks.dims().map(|n| ((n - 1) >> BASE_SHIFT) + 1);
-        Self::from_fn(dims, |cell| bricks.cell_range(cell, 1 << BASE_SHIFT))
+impl Within {
+    /// The ranges of the brick at place `b`.
+    fn new<T: Voxel>(bricks: &TypedBricks<T>, b: [usize; 3]) -> Self {
+        let cells = bricks.dims().map(|n| ((n - 1) >> BASE_SHIFT) + 1);
+        let base = std::array::from_fn(|n| {
+            let at = [n & 3, n >> 2 & 3, n >> 4];
+            let cell: [usize; 3] = std::array::from_fn(|a| b[a] * (EDGE >> BASE_SHIFT) + at[a]);
+            match (0..3).all(|a| cell[a] < cells[a]) {
+                true => bricks.cell_range(cell, 1 << BASE_SHIFT),
+                false => Interval::EMPTY,
+            }
+        });
+        let joined = std::array::from_fn(|n| {
+            let lo = [n & 1, n >> 1 & 1, n >> 2].map(|c| 2 * c);
+            hull_of(&base, 2, lo, lo.map(|c| c + 1))
+        });
+        Self { base, joined }
     }
 
+    /// The hull of the cells `lo..=hi` of edge 2 to the `shift`.
+    fn hull(&self, shift: u32, lo: [usize; 3], hi: [usize; 3]) -> Interval {
+        match shift {
+            BASE_SHIFT => hull_of(&self.base, 2, lo, hi),
+            _ => hull_of(&self.joined, 1, lo, hi),
+        }
+    }
+}
+
+/// The hull of the cells `lo..=hi` of a cube of cells, 2 to the `bits` an axis.
+fn hull_of(cells: &[Interval], bits: u32, lo: [usize; 3], hi: [usize; 3]) -> Interval {
+    let mut all = Interval::EMPTY;
+    for k in lo[2]..=hi[2] {
+        for j in lo[1]..=hi[1] {
+            let row = ((k << bits) + j) << bits;
+            all = all.hull(hull(cells[row + lo[0]..=row + hi[0]].iter().copied()));
+        }
+    }
+    all
+}
+
+fn hull(ranges: impl IntoIterator<Item = Interval>) -> Interval {
+    ranges.into_iter().fold(Interval::EMPTY, Interval::hull)
+}
+
+impl Level {
     /// The level of half the resolution; `None` above a single cell.
     fn above(&self) -> Option<Self> {
         if self.dims == [1; 3] {
             return None;
         }
         let dims = self.dims.map(|n| n.div_ceil(2));
-        Some(Self::from_fn(dims, |cell| {
-            let lo = cell.map(|c| 2 * c);
+        let [nx, ny, nz] = dims;
+        let join = |c: usize| {
+            let lo = [c % nx, c / nx % ny, c / (nx * ny)].map(|c| 2 * c);
             let hi = std::array::from_fn(|a| (lo[a] + 1).min(self.dims[a] - 1));
             self.hull(lo, hi)
-        }))
+        };
+        let ranges = (0..nx * ny * nz).into_par_iter().map(join).collect();
+        Some(Self { dims, ranges })
     }
 
-    fn from_fn(dims: [usize; 3], range: impl Fn([usize; 3]) -> Interval + Sync) -> Self {
-        let [nx, ny, nz] = dims;
-        let ranges = (0..nx * ny * nz)
-            .into_par_iter()
-            .map(|c| range([c % nx, c / nx % ny, c / (nx * ny)]))
-            .collect();
-        Self { dims, ranges }
+    /// Where a cell is among all.
+    fn index(&self, cell: [usize; 3]) -> usize {
+        (cell[2] * self.dims[1] + cell[1]) * self.dims[0] + cell[0]
     }
 
     /// The hull of the cells `lo..=hi`.
     fn hull(&self, lo: [usize; 3], hi: [usize; 3]) -> Interval {
-        let mut hull = Interval::EMPTY;
+        let mut all = Interval::EMPTY;
         for k in lo[2]..=hi[2] {
             for j in lo[1]..=hi[1] {
-                let row = (k * self.dims[1] + j) * self.dims[0];
-                for range in &self.ranges[row + lo[0]..=row + hi[0]] {
-                    hull = hull.hull(*range);
-                }
+                let row = self.index([0, j, k]);
+                all = all.hull(hull(self.ranges[row + lo[0]..=row + hi[0]].iter().copied()));
             }
         }
-        hull
+        all
     }
 }

@@ -42,23 +42,22 @@ pub struct TypedBricks<T> {
 pub(super) enum Brick<T> {
     /// All voxels have this value.
     Constant(T),
-    /// 33 × 33 × (planes + 1) voxels, x fastest; only the volume's last bricks in z have less than 32 planes.
+    /// 33 × 33 × (planes + 1) voxels, x fastest; only the volume's last bricks in z have less than 32 planes. While a volume is
+    /// built, none: no voxel has come.
     Voxels(Box<[T]>),
 }
 
 impl<T: Voxel> TypedBricks<T> {
-    /// The bricks of a grid of `dims` voxels.
-    pub(super) fn new(dims: [usize; 3], voxels: &[T]) -> Self {
+    /// The bricks of a grid of `dims` voxels, of which none has come.
+    pub(super) fn without_voxels(dims: [usize; 3]) -> Self {
         let brick_dims = dims.map(|n| n.div_ceil(EDGE));
-        let [nx, ny, nz] = brick_dims;
-        let bricks = (0..nx * ny * nz)
-            .into_par_iter()
-            .map(|b| Brick::new(dims, voxels, [b % nx, b / nx % ny, b / (nx * ny)]))
-            .collect();
+        let count = brick_dims.iter().product();
         Self {
             dims,
             brick_dims,
-            bricks,
+            bricks: std::iter::repeat_with(|| Brick::Voxels(Box::default()))
+                .take(count)
+                .collect(),
         }
     }
 
@@ -98,6 +97,32 @@ impl<T: Voxel> TypedBricks<T> {
         }
     }
 
+    /// The bricks at some places of each axis, with their places, to be changed.
+    pub(super) fn part(
+        &mut self,
+        [xs, ys, zs]: [Range<usize>; 3],
+    ) -> impl ParallelIterator<Item = ([usize; 3], &mut Brick<T>)> {
+        let [nx, ny, _] = self.brick_dims;
+        let layers = self.bricks.par_chunks_mut(nx * ny).skip(zs.start);
+        layers.zip(zs).flat_map(move |(layer, z)| {
+            let (rows, xs) = (layer.par_chunks_mut(nx).skip(ys.start), xs.clone());
+            rows.zip(ys.clone()).flat_map(move |(row, y)| {
+                let bricks = row[xs.clone()].par_iter_mut();
+                bricks.zip(xs.clone()).map(move |(brick, x)| ([x, y, z], brick))
+            })
+        })
+    }
+
+    /// How many bricks there are.
+    pub(super) fn count(&self) -> usize {
+        self.bricks.len()
+    }
+
+    /// Bricks along x, y, z.
+    pub(super) fn brick_dims(&self) -> [usize; 3] {
+        self.brick_dims
+    }
+
     /// The brick at place `b`.
     #[inline]
     pub(super) fn brick(&self, b: [usize; 3]) -> &Brick<T> {
@@ -109,6 +134,12 @@ impl<T: Voxel> TypedBricks<T> {
     pub(super) fn index(&self, b: [u64; 3]) -> u64 {
         let [nx, ny, _] = self.brick_dims.map(|n| u64::from(n as u32));
         (b[2] * ny + b[1]) * nx + b[0]
+    }
+
+    /// The place of the brick of an [`Self::index`].
+    pub(super) fn place(&self, index: u64) -> [usize; 3] {
+        let ([nx, ny, _], index) = (self.brick_dims, index as usize);
+        [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
     /// The brick of an [`Self::index`].
@@ -177,24 +208,9 @@ impl<T> fmt::Debug for TypedBricks<T> {
 }
 
 impl<T: Voxel> Brick<T> {
-    /// The brick at place `b` of a grid.
-    fn new(dims: [usize; 3], voxels: &[T], b: [usize; 3]) -> Self {
-        let [x0, y0, z0] = b.map(|b| b << SHIFT);
-        let planes = EDGE.min(dims[2] - z0) + 1;
-        let whole = Y_STRIDE.min(dims[0] - x0);
-        let mut brick = Vec::with_capacity(planes * Z_STRIDE);
-        for k in z0..z0 + planes {
-            for j in y0..y0 + Y_STRIDE {
-                let row = k.min(dims[2] - 1) * dims[1] + j.min(dims[1] - 1);
-                let row = &voxels[row * dims[0] + x0..][..whole];
-                brick.extend(row.iter().map(|v| v.regular()));
-                brick.resize(brick.len() + Y_STRIDE - whole, row[whole - 1].regular());
-            }
-        }
-        match brick.iter().all(|v| *v == brick[0]) {
-            true => Self::Constant(brick[0]),
-            false => Self::Voxels(brick.into()),
-        }
+    /// Whether none of its voxels has come.
+    pub(super) fn is_empty(&self) -> bool {
+        matches!(self, Self::Voxels(v) if v.is_empty())
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::volume::bricks::BuildError;
 use crate::volume::grid::GridError;
 
 /// Why a volume file could not be read: what, where, and what the user can do.
@@ -67,9 +68,31 @@ pub enum Problem {
     /// The data does not fit the machine.
     #[error("there is no memory for {0} bytes of data")]
     Memory(u64),
+    /// The data fits the machine, but not what of it may be taken.
+    #[error("it takes {} MiB of memory, and {} MiB are what reading may take", mebibytes(.bytes), mebibytes(.budget))]
+    Budget {
+        /// Bytes that it takes, at least.
+        bytes: u64,
+        /// Bytes that it may take.
+        budget: u64,
+    },
     /// The header describes an impossible grid.
     #[error(transparent)]
     Grid(#[from] GridError),
+}
+
+/// Whole mebibytes, rounded up.
+fn mebibytes(bytes: &u64) -> u64 {
+    bytes.div_ceil(1 << 20)
+}
+
+impl From<BuildError> for Problem {
+    fn from(error: BuildError) -> Self {
+        match error {
+            BuildError::Grid(error) => Self::Grid(error),
+            BuildError::Budget { bytes, budget } => Self::Budget { bytes, budget },
+        }
+    }
 }
 
 impl Problem {
@@ -85,6 +108,7 @@ impl Problem {
             Self::Compressed(_) => "copy or export the file again; `gzip -t` tests it",
             Self::Text(_) => "correct the value, or the type that the header gives",
             Self::Memory(_) => "crop or downsample the volume first",
+            Self::Budget { .. } => "allow more with --read-budget-mib, or crop or downsample the volume first",
             Self::Grid(_) => "correct the sizes and axes in the header, or export the volume again",
         }
     }

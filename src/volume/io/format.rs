@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ReadError;
 use super::open::{Opened, ReadOptions};
-use super::{nifti, nrrd, raw};
+use super::{nifti, nrrd, raw, zarr};
 
 /// A format of volume files.
 pub struct Format {
@@ -23,7 +23,7 @@ pub struct Format {
 }
 
 /// All formats; the first that recognises a file reads it.
-pub const FORMATS: [&Format; 3] = [&nrrd::FORMAT, &nifti::FORMAT, &raw::FORMAT];
+pub const FORMATS: [&Format; 4] = [&nrrd::FORMAT, &nifti::FORMAT, &zarr::FORMAT, &raw::FORMAT];
 
 /// What tells a file's format.
 pub(super) struct Probe {
@@ -73,7 +73,10 @@ impl Probe {
 pub fn open_all(path: &Path, options: &ReadOptions) -> Result<Vec<Opened>, ReadError> {
     let probe = Probe::new(path, options)?;
     match FORMATS.iter().find(|format| (format.recognises)(&probe)) {
-        Some(format) => (format.open)(path, options),
+        Some(format) => {
+            let volumes = (format.open)(path, options)?;
+            Ok(volumes.into_iter().map(|v| v.within(options.budget)).collect())
+        }
         None => Err(unknown(&probe)),
     }
 }

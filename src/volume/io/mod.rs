@@ -1,5 +1,6 @@
 //! Volume files: one module a format.
 
+mod budget;
 mod error;
 mod format;
 mod geometry;
@@ -9,13 +10,16 @@ pub mod nrrd;
 mod nrrd_header;
 mod nrrd_write;
 mod open;
+mod part;
 mod payload;
 pub mod raw;
+mod zarr;
 
 use std::path::Path;
 
 use serde::Serialize;
 
+pub use self::budget::Budget;
 pub use self::error::{Position, Problem, ReadError};
 pub use self::format::{FORMATS, Format, open, open_all};
 pub use self::nrrd_write::{Encoding, NrrdBeside, WriteError, write as write_nrrd};

@@ -8,10 +8,12 @@ use std::path::PathBuf;
 use glam::DAffine3;
 
 use super::VolumeInfo;
-use super::error::{Problem, ReadError};
+use super::budget::Budget;
+use super::error::ReadError;
+use super::part::{Part, Parts, joined};
 use super::raw::RawLayout;
 use crate::math::affine;
-use crate::volume::bricks::Bricks;
+use crate::volume::bricks::{BrickBuilder, Bricks, BuildError};
 use crate::volume::grid::{Grid, Stats, Tally, Voxels, voxel_count};
 use crate::volume::voxel::VoxelType;
 
@@ -33,6 +35,8 @@ pub struct ReadOptions {
     pub resample: bool,
     /// What the file holds, where it has no header of its own.
     pub raw: Option<RawLayout>,
+    /// The most memory that reading may take.
+    pub budget: Budget,
 }
 
 /// A volume's voxels in the order of the grid, x fastest, any number at a time, all of the declared type.
@@ -64,7 +68,10 @@ pub struct Opened {
     declared: Declared,
     /// For messages.
     path: PathBuf,
-    chunks: Chunks,
+    parts: Parts,
+    /// Whether all voxels come in one part, so that they are in memory at once.
+    at_once: bool,
+    budget: Budget,
 }
 
 impl std::fmt::Debug for Opened {
@@ -76,8 +83,19 @@ impl std::fmt::Debug for Opened {
 impl Opened {
     /// What `chunks` will give, of the file at `path`.
     pub(super) fn new(path: PathBuf, declared: Declared, chunks: Chunks) -> Result<Self, ReadError> {
+        Self::in_parts(path, declared, Box::new(chunks.map(|chunk| chunk.map(Part::Next))))
+    }
+
+    /// What `parts` will give.
+    pub(super) fn in_parts(path: PathBuf, declared: Declared, parts: Parts) -> Result<Self, ReadError> {
         voxel_count(declared.dims).map_err(|e| ReadError::new(&path, e))?;
-        Ok(Self { declared, path, chunks })
+        Ok(Self {
+            declared,
+            path,
+            parts,
+            at_once: false,
+            budget: Budget::default(),
+        })
     }
 
     /// What `read` will give at once.
@@ -86,7 +104,25 @@ impl Opened {
         declared: Declared,
         read: impl FnOnce() -> Result<Voxels, ReadError> + Send + 'static,
     ) -> Result<Self, ReadError> {
-        Self::new(path, declared, Box::new(std::iter::once_with(read)))
+        let opened = Self::new(path, declared, Box::new(std::iter::once_with(read)))?;
+        Ok(Self {
+            at_once: true,
+            ..opened
+        })
+    }
+
+    /// The same, within `budget`.
+    pub(super) fn within(self, budget: Budget) -> Self {
+        Self { budget, ..self }
+    }
+
+    /// The same, of which `seen` is told how many voxels have come, each time that some have.
+    pub fn watched(self, mut seen: impl FnMut(u64) + Send + 'static) -> Self {
+        let parts = self.parts.inspect(move |part| seen(part.as_ref().map_or(0, Part::len)));
+        Self {
+            parts: Box::new(parts),
+            ..self
+        }
     }
 
     /// What the header declares.
@@ -97,42 +133,65 @@ impl Opened {
     /// Reads the voxels into a grid.
     ///
     /// # Errors
-    /// Whatever [`ReadError`] can say of the voxels.
+    /// Whatever [`ReadError`] can say of the voxels; if they take more memory than they may.
     pub fn grid(self) -> Result<Grid, ReadError> {
-        let Self { declared, path, chunks } = self;
-        let mut voxels = Voxels::none(declared.voxel);
-        for chunk in chunks {
-            let chunk = chunk?;
-            assert_eq!(chunk.voxel_type(), declared.voxel, "a chunk of the declared type");
-            voxels
-                .append(chunk)
-                .map_err(|bytes| ReadError::new(&path, Problem::Memory(bytes)))?;
-        }
+        self.budget.check(&self.path, self.declared.bytes())?;
+        let Self {
+            declared, path, parts, ..
+        } = self;
+        let voxels = joined(&path, declared.dims, declared.voxel, parts)?;
         Grid::new(declared.dims, declared.world_from_index, voxels).map_err(|e| ReadError::new(&path, e))
     }
 
-    /// Reads the voxels into sparse bricks.
+    /// Reads the voxels into sparse bricks. Beside them no more is held than the part in hand.
     ///
     /// # Errors
-    /// As [`Self::grid`].
+    /// Whatever [`ReadError`] can say of the voxels; if their bricks take more memory than they may.
     pub fn bricks(self) -> Result<Bricks, ReadError> {
-        Ok(Bricks::new(&self.grid()?))
+        self.check_at_once()?;
+        let refused = |e: BuildError| ReadError::new(&self.path, e);
+        let Declared {
+            dims,
+            world_from_index,
+            voxel,
+            ..
+        } = self.declared;
+        let mut builder = BrickBuilder::new(dims, world_from_index, voxel, self.budget.bytes()).map_err(refused)?;
+        for part in self.parts {
+            part?.put_in_bricks(&mut builder).map_err(refused)?;
+        }
+        builder.finish().map_err(refused)
     }
 
     /// Reads the voxels to tell their statistics, and keeps none.
     ///
     /// # Errors
-    /// As [`Self::grid`].
+    /// Whatever [`ReadError`] can say of the voxels.
     pub fn info(self) -> Result<VolumeInfo, ReadError> {
+        self.check_at_once()?;
         let mut tally = Tally::NONE;
-        for chunk in self.chunks {
-            tally = tally.join(chunk?.tally());
+        for part in self.parts {
+            tally = tally.join(part?.tally());
         }
         Ok(self.declared.info(&tally.stats()))
+    }
+
+    /// Whether the voxels are within the budget, if they have to be in memory at once.
+    fn check_at_once(&self) -> Result<(), ReadError> {
+        match self.at_once {
+            true => self.budget.check(&self.path, self.declared.bytes()),
+            false => Ok(()),
+        }
     }
 }
 
 impl Declared {
+    /// Bytes of the voxels.
+    pub fn bytes(&self) -> u64 {
+        let voxels = self.dims.iter().map(|n| *n as u64);
+        voxels.fold(self.voxel.bytes() as u64, u64::saturating_mul)
+    }
+
     /// The description of a volume of which this is declared and whose voxels have `stats`.
     pub(super) fn info(&self, stats: &Stats) -> VolumeInfo {
         let spacing = affine::spacing(&self.world_from_index);

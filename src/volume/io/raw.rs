@@ -9,9 +9,12 @@ use glam::DAffine3;
 use super::error::ReadError;
 use super::format::Format;
 use super::open::{Declared, Opened};
-use super::payload::{ByteOrder, Payload, Stored};
-use crate::volume::grid::{Voxels, voxel_count};
+use super::payload::{ByteOrder, Payload, Stored, remaining};
+use crate::volume::grid::voxel_count;
 use crate::volume::voxel::VoxelType;
+
+/// Bytes of the voxels that are handed over at a time.
+const CHUNK: usize = 1 << 22;
 
 /// What a file of raw voxels does not say itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,21 +56,35 @@ fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
         components: 1,
         notes: Vec::new(),
     };
-    let (path, layout) = (path.to_owned(), *layout);
-    Opened::at_once(path.clone(), declared, move || read(&path, &layout))
+    let mut left = voxel_count(layout.dims).map_err(|e| ReadError::new(path, e))?;
+    let mut file = data(path, layout, left)?;
+    let (of, layout) = (path.to_owned(), *layout);
+    let chunks = std::iter::from_fn(move || {
+        let count = left.min(CHUNK / layout.voxel.bytes());
+        left -= count;
+        (count > 0).then(|| payload(&of, &layout, count).decode(&mut file, count))
+    });
+    Opened::new(path.to_owned(), declared, Box::new(chunks))
 }
 
-fn read(path: &Path, layout: &RawLayout) -> Result<Voxels, ReadError> {
+/// The file, where the voxels begin, if it is long enough for all.
+fn data(path: &Path, layout: &RawLayout, count: usize) -> Result<BufReader<File>, ReadError> {
     let io_error = |e| ReadError::io(path, e);
-    let payload = Payload {
+    let mut file = BufReader::new(File::open(path).map_err(io_error)?);
+    file.seek(SeekFrom::Start(layout.offset)).map_err(io_error)?;
+    let found = remaining(&mut file).map_err(io_error)?;
+    payload(path, layout, count)
+        .check(found)
+        .map_err(|e| e.hint("give the size, type and offset that the file has"))?;
+    Ok(file)
+}
+
+/// Some of the voxels.
+fn payload<'a>(path: &'a Path, layout: &RawLayout, count: usize) -> Payload<'a> {
+    Payload {
         path,
         stored: Stored::Voxel(layout.voxel),
         order: layout.order,
-        count: voxel_count(layout.dims).map_err(|e| ReadError::new(path, e))?,
-    };
-    let mut file = BufReader::new(File::open(path).map_err(io_error)?);
-    file.seek(SeekFrom::Start(layout.offset)).map_err(io_error)?;
-    payload
-        .read_raw(&mut file)
-        .map_err(|e| e.hint("give the size, type and offset that the file has"))
+        count,
+    }
 }
