@@ -76,7 +76,7 @@ impl SourceArgs {
 /// Which volume of a file is meant, and what a file without a header holds.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Volume files")]
-struct ReadArgs {
+pub(super) struct ReadArgs {
     /// The volume of a series in time, from 0 on
     #[arg(long = "volume-frame", value_name = "N")]
     frame: Option<usize>,
@@ -113,7 +113,8 @@ struct ReadArgs {
 }
 
 impl ReadArgs {
-    fn options(&self) -> ReadOptions {
+    /// As the reader takes them.
+    pub fn options(&self) -> ReadOptions {
         let layout = self.raw_dims.zip(self.raw_type).map(|(dims, voxel)| RawLayout {
             dims,
             voxel,

@@ -1,16 +1,19 @@
 //! Raw voxels without a header: the caller says what they are.
 
-use std::fs::File;
-use std::io::{BufReader, Seek, SeekFrom};
 use std::path::Path;
 
 use glam::DAffine3;
 
+use super::components::Components;
 use super::error::ReadError;
 use super::format::Format;
+use super::nrrd_write;
 use super::open::{Declared, Opened};
-use super::payload::{ByteOrder, Payload, Stored};
-use crate::volume::grid::{Voxels, voxel_count};
+use super::payload::Payload;
+use super::source::{Coding, Skip, Stretch};
+use super::stored::{ByteOrder, Stored};
+use super::write::Writer;
+use crate::volume::grid::voxel_count;
 use crate::volume::voxel::VoxelType;
 
 /// What a file of raw voxels does not say itself.
@@ -39,10 +42,29 @@ pub(super) const FORMAT: Format = Format {
         None => Err(ReadError::unsupported(path, "a raw file does not say what it holds")
             .hint("give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it")),
     },
+    writer: Some(Writer {
+        suffixes: &[".raw"],
+        writes: "the voxels as they are in memory, and a NRRD header (.nhdr) beside them that says what they are",
+        files: nrrd_write::raw_files,
+    }),
 };
 
 /// Opens the raw voxels in the file at `path`.
 fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
+    let payload = Payload {
+        stored: Stored::Voxel(layout.voxel),
+        order: layout.order,
+        voxels: voxel_count(layout.dims).map_err(|e| ReadError::new(path, e))?,
+        components: Components::SCALAR,
+        rescaling: None,
+    };
+    let stretch = Stretch {
+        path: path.to_owned(),
+        start: layout.offset,
+        coding: Coding::Plain,
+        skip: Skip::Bytes(0),
+        bytes: payload.bytes(),
+    };
     let declared = Declared {
         format: FORMAT.name,
         name: String::new(),
@@ -53,21 +75,8 @@ fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
         components: 1,
         notes: Vec::new(),
     };
-    let (path, layout) = (path.to_owned(), *layout);
-    Opened::at_once(path.clone(), declared, move || read(&path, &layout))
-}
-
-fn read(path: &Path, layout: &RawLayout) -> Result<Voxels, ReadError> {
-    let io_error = |e| ReadError::io(path, e);
-    let payload = Payload {
-        path,
-        stored: Stored::Voxel(layout.voxel),
-        order: layout.order,
-        count: voxel_count(layout.dims).map_err(|e| ReadError::new(path, e))?,
-    };
-    let mut file = BufReader::new(File::open(path).map_err(io_error)?);
-    file.seek(SeekFrom::Start(layout.offset)).map_err(io_error)?;
-    payload
-        .read_raw(&mut file)
-        .map_err(|e| e.hint("give the size, type and offset that the file has"))
+    let chunks = payload
+        .chunks(path, &[stretch], 0)
+        .map_err(|e| e.hint("give the size, type and offset that the file has"))?;
+    Opened::new(path.to_owned(), declared, chunks)
 }
