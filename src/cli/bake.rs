@@ -12,7 +12,7 @@ use super::overrides;
 use super::source::SourceArgs;
 use crate::scene::Scene;
 use crate::target::{Block, BlockVoxels, Levels, Target};
-use crate::volume::io::{Encoding, NrrdBeside};
+use crate::volume::io::{self, Encoding, VolumeBeside};
 use crate::volume::{Grid, Voxels};
 
 /// Sample a scene into one volume file
@@ -25,7 +25,7 @@ use crate::volume::{Grid, Voxels};
 pub(super) struct Bake {
     #[command(flatten)]
     source: SourceArgs,
-    /// The volume, as .nrrd
+    /// The volume, in the format of its suffix: see `vcsg formats`
     #[arg(short, long, value_name = "VOLUME")]
     output: PathBuf,
     /// The value where the scene holds nothing
@@ -48,7 +48,7 @@ pub(super) struct Bake {
 impl Bake {
     /// Loads, samples, writes.
     pub fn run(&self) -> Result<(), CliError> {
-        self.check_suffix()?;
+        io::writer_of(&self.output)?;
         let mut stages = Stages::default();
         let scene = stages.time("load", || self.source.load())?;
         let volumes = match self.levels {
@@ -98,9 +98,13 @@ impl Bake {
 
     /// The file of a level: its number before the suffix.
     fn level_path(&self, level: u32) -> PathBuf {
-        let stem = self.output.file_stem().unwrap_or_default().to_string_lossy();
-        let suffix = self.output.extension().unwrap_or_default().to_string_lossy();
-        self.output.with_file_name(format!("{stem}-{level}.{suffix}"))
+        let name = self.output.file_name().unwrap_or_default().to_string_lossy();
+        let start = name
+            .to_ascii_lowercase()
+            .strip_suffix(".gz")
+            .map_or(name.len(), str::len);
+        let (stem, suffix) = name.split_at(name[..start].rfind('.').unwrap_or(start));
+        self.output.with_file_name(format!("{stem}-{level}{suffix}"))
     }
 
     /// Samples and writes, beside `path`.
@@ -113,24 +117,14 @@ impl Bake {
             "dims": grid.dims(),
             "spacing_mm": target.lattice.spacing_mm().to_array(),
         });
-        let beside = stages.time("write", || NrrdBeside::write(&path, &grid, encoding))?;
+        let beside = stages.time("write", || VolumeBeside::write(&path, &grid, encoding))?;
         Ok(Volume { beside, description })
-    }
-
-    fn check_suffix(&self) -> Result<(), CliError> {
-        match self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("nrrd")) {
-            true => Ok(()),
-            false => Err(CliError::Usage(format!(
-                "{}: volumes are written as .nrrd",
-                self.output.display()
-            ))),
-        }
     }
 }
 
 /// A volume that is written but not yet in its place.
 struct Volume {
-    beside: NrrdBeside,
+    beside: VolumeBeside,
     description: serde_json::Value,
 }
 

@@ -18,7 +18,8 @@ use crate::volume::io::{Opened, VolumeInfo};
 #[command(after_help = "Examples:
   vcsg info head.nii.gz
   vcsg info scene.kdl
-  vcsg info --json head.nrrd")]
+  vcsg info --json head.nrrd
+  vcsg formats                                      # what is read and written")]
 pub(super) struct Info {
     #[command(flatten)]
     source: SourceArgs,

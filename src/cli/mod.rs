@@ -5,8 +5,10 @@
 mod bake;
 mod bench;
 mod console;
+mod convert;
 mod devices;
 mod error;
+mod formats;
 mod frames;
 mod info;
 mod job;
@@ -39,6 +41,8 @@ enum Command {
     Render(Box<render::Render>),
     Info(info::Info),
     Bake(bake::Bake),
+    Convert(convert::Convert),
+    Formats(formats::Formats),
     Mesh(mesh::MeshCommand),
     Devices(devices::Devices),
     Bench(bench::Bench),
@@ -50,6 +54,8 @@ pub fn run() -> ExitCode {
         Command::Render(render) => render.run(),
         Command::Info(info) => info.run(),
         Command::Bake(bake) => bake.run(),
+        Command::Convert(convert) => convert.run(),
+        Command::Formats(formats) => formats.run(),
         Command::Mesh(mesh) => mesh.run(),
         Command::Devices(devices) => devices.run(),
         Command::Bench(bench) => bench.run(),

@@ -108,7 +108,7 @@ impl SourceArgs {
 /// Which volume of a file is meant, and what a file without a header holds.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Volume files")]
-struct ReadArgs {
+pub(super) struct ReadArgs {
     /// The volume of a series in time, from 0 on
     #[arg(long = "volume-frame", value_name = "N")]
     frame: Option<usize>,
@@ -153,7 +153,8 @@ impl ReadArgs {
             .map_or_else(Budget::default, |mib| Budget::of_bytes(mib.saturating_mul(1 << 20)))
     }
 
-    fn options(&self) -> ReadOptions {
+    /// As the reader takes them.
+    pub fn options(&self) -> ReadOptions {
         let layout = self.raw_dims.zip(self.raw_type).map(|(dims, voxel)| RawLayout {
             dims,
             voxel,

@@ -1,4 +1,4 @@
-//! The formats that are read, in one table: the command line, `vcsg info` and docs/FORMATS.md tell of it, and reading goes by it.
+//! The formats that are read and written, in one table: the command line, `vcsg info` and docs/FORMATS.md tell of it, and reading goes by it.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::error::ReadError;
 use super::open::{Opened, ReadOptions};
-use super::{nifti, nrrd, raw, zarr};
+use super::write::Writer;
+use super::{metaimage, nifti, nrrd, raw, zarr};
 
 /// A format of volume files.
 pub struct Format {
@@ -20,10 +21,18 @@ pub struct Format {
     pub(super) recognises: fn(&Probe) -> bool,
     /// Opens all volumes of a file that the options allow.
     pub(super) open: fn(&Path, &ReadOptions) -> Result<Vec<Opened>, ReadError>,
+    /// How it is written; `None` where it is not.
+    pub writer: Option<Writer>,
 }
 
 /// All formats; the first that recognises a file reads it.
-pub const FORMATS: [&Format; 4] = [&nrrd::FORMAT, &nifti::FORMAT, &zarr::FORMAT, &raw::FORMAT];
+pub const FORMATS: [&Format; 5] = [
+    &nrrd::FORMAT,
+    &nifti::FORMAT,
+    &metaimage::FORMAT,
+    &zarr::FORMAT,
+    &raw::FORMAT,
+];
 
 /// What tells a file's format.
 pub(super) struct Probe {

@@ -1,18 +1,35 @@
 //! Volume files: one module a format.
 
 mod budget;
+mod components;
 mod error;
+mod files;
 mod format;
 mod geometry;
 mod gunzip;
-pub mod nifti;
-pub mod nrrd;
+mod lines;
+mod metaimage;
+mod metaimage_header;
+mod metaimage_write;
+mod nifti;
+mod nifti_header;
+mod nifti_place;
+mod nifti_write;
+mod nrrd;
+mod nrrd_axes;
+mod nrrd_data;
 mod nrrd_header;
+mod nrrd_place;
 mod nrrd_write;
 mod open;
 mod part;
 mod payload;
 pub mod raw;
+mod source;
+mod stored;
+mod text;
+mod vti_write;
+mod write;
 mod zarr;
 
 use std::path::Path;
@@ -22,9 +39,10 @@ use serde::Serialize;
 pub use self::budget::Budget;
 pub use self::error::{Position, Problem, ReadError};
 pub use self::format::{FORMATS, Format, open, open_all};
-pub use self::nrrd_write::{Encoding, NrrdBeside, WriteError, write as write_nrrd};
+pub use self::nrrd_write::write_nrrd;
 pub use self::open::{Declared, Opened, ReadOptions};
-pub use self::payload::ByteOrder;
+pub use self::stored::ByteOrder;
+pub use self::write::{Encoding, VolumeBeside, WriteError, Writer, write, writer_of};
 use super::grid::Grid;
 use super::voxel::VoxelType;
 

@@ -1,79 +1,85 @@
-//! NIfTI-1, in one file (.nii) or two (.hdr and .img), plain or gzip.
-//!
-//! Format: the NIfTI-1 data format (nifti1.h, 2004). The header's fields are read by the `nifti` crate; sizes, transforms and
-//! voxels are taken from them here, since a header may claim anything.
+//! NIfTI-1, NIfTI-2 and ANALYZE 7.5, in one file (.nii) or two (.hdr and .img), plain or gzip.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use glam::{DAffine3, DQuat, DVec3};
-use nifti::NiftiHeader;
-
+use super::components::{Components, Reading};
 use super::error::ReadError;
 use super::format::Format;
-use super::geometry::{LPS_FROM_RAS, from_axes};
 use super::gunzip::{GZIP_MAGIC, Gunzip};
-use super::open::{Declared, Opened, ReadOptions};
-use super::payload::{ByteOrder, Payload, Stored, remaining};
-use crate::math::affine;
-use crate::volume::grid::{Voxels, voxel_count};
-use crate::volume::voxel::{Voxel, VoxelType, for_type};
-
-/// Bytes of the header.
-const HEADER_BYTES: u64 = 348;
-
-/// Where the voxels of a single file start when its header does not say.
-const DEFAULT_OFFSET: u64 = 352;
+use super::nifti_header::{Header, Kind};
+use super::nifti_place::world_from_index;
+use super::nifti_write;
+use super::open::{Chunks, Declared, Opened, ReadOptions};
+use super::payload::{Payload, chosen_frame};
+use super::source::{Coding, Skip, Stretch, section};
+use super::stored::Stored;
+use crate::volume::grid::voxel_count;
+use crate::volume::voxel::VoxelType;
 
 /// Intents whose fifth axis counts components: matrices, vectors, point sets, triangles, quaternions and colours.
-const COMPONENT_INTENTS: [i16; 9] = [1004, 1005, 1006, 1007, 1008, 1009, 1010, 2003, 2004];
+const COMPONENT_INTENTS: [i32; 9] = [1004, 1005, 1006, 1007, 1008, 1009, 1010, 2003, 2004];
 
-/// NIfTI-1 among the formats.
+/// Those of colours.
+const COLOUR_INTENTS: [i32; 2] = [2003, 2004];
+
+/// The farthest place where voxels may start.
+const MAX_OFFSET: f64 = 1e9;
+
+/// NIfTI among the formats.
 pub(super) const FORMAT: Format = Format {
-    name: "NIfTI-1",
+    name: "NIfTI",
     suffixes: &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"],
-    reads: ".nii and .hdr with .img, plain and gzip; slope and intercept; sform, else qform",
-    recognises: |probe| !probe.is_folder && !probe.has_layout && probe.is_named(&FORMAT),
+    reads: "NIfTI-1, NIfTI-2 and ANALYZE 7.5, plain and gzip; slope and intercept; sform, else qform; components; frames",
+    recognises: |probe| {
+        let has_magic = probe.start.get(344..348) == Some(b"n+1\0") || probe.start.get(4..8) == Some(b"n+2\0");
+        !probe.is_folder && !probe.has_layout && (has_magic || probe.is_named(&FORMAT))
+    },
     open: |path, options| Ok(vec![open(path, options)?]),
+    writer: Some(nifti_write::WRITER),
 };
 
-/// Opens the NIfTI-1 file at `path`. Of a pair either file may be named.
-fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
+/// Opens the file at `path`. Of a pair either file may be named.
+fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
     let header_path = partner(path, "img", "hdr").unwrap_or_else(|| path.to_owned());
     let header = read_header(&header_path)?;
-    let fields = Fields::new(&header_path, &header)?;
+    let shape = Shape::new(&header_path, &header)?;
+    let frame = chosen_frame(path, shape.frames, options)?;
+    let scalars = Scalars::new(&header_path, &header)?;
+    let components = components(&header_path, &header, &scalars, &shape, options)?;
+    let payload = Payload {
+        stored: scalars.stored,
+        order: header.order,
+        voxels: voxel_count(shape.dims).map_err(|e| ReadError::new(&header_path, e))?,
+        components,
+        rescaling: rescaling(&header, &scalars),
+    };
     let declared = Declared {
-        format: FORMAT.name,
+        format: format_name(header.kind),
         name: String::new(),
-        dims: fields.dims,
-        voxel: match (rescaling(&header), fields.stored.voxel()) {
-            (None, voxel) => voxel,
-            (Some(_), VoxelType::F64) => VoxelType::F64,
-            (Some(_), _) => VoxelType::F32,
-        },
-        world_from_index: fields.world_from_index,
-        frames: fields.frames,
-        components: 1,
-        notes: Vec::new(),
+        dims: shape.dims,
+        voxel: payload.voxel(),
+        world_from_index: world_from_index(&header),
+        frames: shape.frames,
+        components: components.count,
+        notes: components.note().into_iter().collect(),
     };
-    let (data, offset) = match &header.magic {
-        b"n+1\0" => (header_path.clone(), fields.offset.max(HEADER_BYTES)),
-        _ => {
-            let data = partner(&header_path, "hdr", "img").ok_or_else(|| {
-                ReadError::header(&header_path, "its voxels' .img file is missing")
-                    .hint("put the .img file of the same name beside it")
-            })?;
-            (data, fields.offset)
-        }
-    };
-    Opened::at_once(header_path, declared, move || {
-        let voxels = fields.read_voxels(&data, offset)?;
-        Ok(match rescaling(&header) {
-            Some(by) => rescaled(voxels, by),
-            None => voxels,
-        })
-    })
+    let all = stretch(
+        &header_path,
+        &header,
+        payload.bytes().saturating_mul(shape.frames as u64),
+    )?;
+    let chunks = chunks(payload, &header_path, all, &shape, frame)?;
+    Opened::new(header_path, declared, chunks)
+}
+
+const fn format_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Analyze => "ANALYZE 7.5",
+        Kind::One => "NIfTI-1",
+        Kind::Two => "NIfTI-2",
+    }
 }
 
 /// The file beside `path` with the suffix `to` for `from`, plain or gzip; `None` when there is none.
@@ -87,209 +93,190 @@ fn partner(path: &Path, from: &str, to: &str) -> Option<PathBuf> {
         .find(|path| path.exists())
 }
 
-fn read_header(path: &Path) -> Result<NiftiHeader, ReadError> {
+fn read_header(path: &Path) -> Result<Header, ReadError> {
+    let io_error = |e| ReadError::io(path, e);
+    let mut file = BufReader::new(File::open(path).map_err(io_error)?);
+    let is_gzip = file.fill_buf().map_err(io_error)?.starts_with(&GZIP_MAGIC);
     let mut bytes = Vec::new();
-    let stream = Stream::open(path)?;
-    (stream.take(HEADER_BYTES).read_to_end(&mut bytes)).map_err(|e| ReadError::io(path, e))?;
-    if bytes.len() as u64 != HEADER_BYTES {
-        let what = format!("it has {} bytes, a NIfTI-1 header takes {HEADER_BYTES}", bytes.len());
-        return Err(ReadError::header(path, what));
-    }
-    NiftiHeader::from_reader(&*bytes).map_err(|e| ReadError::header(path, format!("it is not NIfTI-1: {e}")).byte(0))
-}
-
-/// A file's bytes, decompressed if need be.
-enum Stream {
-    Plain(BufReader<File>),
-    Gzip(Gunzip<BufReader<File>>),
-}
-
-impl Stream {
-    fn open(path: &Path) -> Result<Self, ReadError> {
-        let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
-        let mut file = BufReader::new(file);
-        let start = file.fill_buf().map_err(|e| ReadError::io(path, e))?;
-        Ok(match start.starts_with(&GZIP_MAGIC) {
-            true => Self::Gzip(Gunzip::new(file)),
-            false => Self::Plain(file),
-        })
+    let read = match is_gzip {
+        true => Gunzip::new(file).take(Header::MAX_BYTES).read_to_end(&mut bytes),
+        false => file.take(Header::MAX_BYTES).read_to_end(&mut bytes),
+    };
+    match (read, bytes.len()) {
+        // Whether a stream that breaks off later holds the header, the header tells.
+        (Err(error), 0) => Err(io_error(error)),
+        _ => Header::new(path, &bytes),
     }
 }
 
-impl Read for Stream {
-    fn read(&mut self, buf: &mut [u8]) -> std::io::Result<usize> {
-        match self {
-            Self::Plain(file) => file.read(buf),
-            Self::Gzip(stream) => stream.read(buf),
-        }
-    }
-}
-
-/// What the header says of the voxels, checked.
-struct Fields {
+/// The sizes, checked.
+struct Shape {
     dims: [usize; 3],
     frames: usize,
-    stored: Stored,
-    order: ByteOrder,
-    offset: u64,
-    world_from_index: DAffine3,
+    /// Components along the fifth axis.
+    components: usize,
 }
 
-impl Fields {
-    fn new(path: &Path, header: &NiftiHeader) -> Result<Self, ReadError> {
-        let sizes = header
-            .dim()
-            .map_err(|e| ReadError::header(path, e.to_string()).byte(40))?;
-        let size = |axis: usize| sizes.get(axis).map_or(1, |&n| usize::from(n));
-        if size(4) > 1 && COMPONENT_INTENTS.contains(&header.intent_code) {
-            let what = format!("voxels of {} components are not read", size(4));
-            return Err(ReadError::unsupported(path, what).byte(50));
+impl Shape {
+    fn new(path: &Path, header: &Header) -> Result<Self, ReadError> {
+        let at = if header.kind == Kind::Two { 16 } else { 40 };
+        let bad = |what: String| ReadError::header(path, what).byte(at);
+        let count = usize::try_from(header.dim[0]).ok().filter(|n| (1..=7).contains(n));
+        let count = count.ok_or_else(|| bad(format!("a volume cannot have {} dimensions", header.dim[0])))?;
+        let mut sizes = [1; 7];
+        for (size, n) in sizes.iter_mut().zip(&header.dim[1..=count]) {
+            let known = usize::try_from(*n).ok().filter(|n| *n > 0);
+            *size = known.ok_or_else(|| bad(format!("a volume cannot have {n} voxels along an axis")))?;
         }
+        let product = |sizes: &[usize]| sizes.iter().fold(1, |n: usize, size| n.saturating_mul(*size));
+        let components = match COMPONENT_INTENTS.contains(&header.intent_code) {
+            true => product(&sizes[4..]),
+            false => 1,
+        };
         Ok(Self {
-            dims: [size(0), size(1), size(2)],
-            frames: (3..7).fold(1, |n: usize, axis| n.saturating_mul(size(axis))),
-            stored: stored(path, header)?,
-            order: match header.endianness {
-                nifti::Endianness::Little => ByteOrder::Little,
-                nifti::Endianness::Big => ByteOrder::Big,
+            dims: [sizes[0], sizes[1], sizes[2]],
+            frames: if components == 1 {
+                product(&sizes[3..])
+            } else {
+                sizes[3]
             },
-            offset: offset(path, header)?,
-            world_from_index: world_from_index(header),
+            components,
         })
     }
+}
 
-    /// The first frame of the voxels in `path` from byte `offset` on.
-    fn read_voxels(&self, path: &Path, offset: u64) -> Result<Voxels, ReadError> {
-        let payload = Payload {
-            path,
-            stored: self.stored,
-            order: self.order,
-            count: voxel_count(self.dims).map_err(|e| ReadError::new(path, e))?,
+/// What a data type says of the numbers of a voxel that lie together.
+struct Scalars {
+    stored: Stored,
+    count: usize,
+    reading: Reading,
+}
+
+impl Scalars {
+    fn new(path: &Path, header: &Header) -> Result<Self, ReadError> {
+        let several = |voxel, count, reading| Self {
+            stored: Stored::Voxel(voxel),
+            count,
+            reading,
         };
-        let io_error = |e| ReadError::io(path, e);
-        match Stream::open(path)? {
-            Stream::Plain(mut file) => {
-                let found = remaining(&mut file).map_err(io_error)?;
-                self.check_frames(&payload, found.saturating_sub(offset))?;
-                payload.skip(&mut file, offset)?;
-                payload.read_raw(&mut file)
+        let one = |stored| Self {
+            stored,
+            count: 1,
+            reading: Reading::One(0),
+        };
+        let at = if header.kind == Kind::Two { 12 } else { 70 };
+        let name = match header.datatype {
+            2 => return Ok(one(Stored::Voxel(VoxelType::U8))),
+            4 => return Ok(one(Stored::Voxel(VoxelType::I16))),
+            8 => return Ok(one(Stored::Voxel(VoxelType::I32))),
+            16 => return Ok(one(Stored::Voxel(VoxelType::F32))),
+            64 => return Ok(one(Stored::Voxel(VoxelType::F64))),
+            256 => return Ok(one(Stored::Voxel(VoxelType::I8))),
+            512 => return Ok(one(Stored::Voxel(VoxelType::U16))),
+            768 => return Ok(one(Stored::Voxel(VoxelType::U32))),
+            1024 => return Ok(one(Stored::I64)),
+            1280 => return Ok(one(Stored::U64)),
+            32 => return Ok(several(VoxelType::F32, 2, Reading::Magnitude)),
+            1792 => return Ok(several(VoxelType::F64, 2, Reading::Magnitude)),
+            128 => return Ok(several(VoxelType::U8, 3, Reading::Luminance)),
+            2304 => return Ok(several(VoxelType::U8, 4, Reading::Luminance)),
+            1 => "single bits",
+            1536 => "128-bit floats",
+            2048 => "complex numbers of 128-bit floats",
+            code => {
+                let what = format!("{code} is no data type of NIfTI");
+                return Err(ReadError::header(path, what).byte(at));
             }
-            Stream::Gzip(mut stream) => {
-                let compressed = File::open(path).and_then(|f| f.metadata()).map_err(io_error)?;
-                payload.check_gzip(compressed.len(), offset)?;
-                payload.decode_gzip(&mut stream, offset)
-            }
-        }
-    }
-
-    /// Whether `found` bytes hold all frames: a series cut off is not taken for whole.
-    fn check_frames(&self, payload: &Payload, found: u64) -> Result<(), ReadError> {
-        let count = payload.count.saturating_mul(self.frames);
-        Payload { count, ..*payload }.check(found)
+        };
+        Err(ReadError::unsupported(path, format!("voxels that are {name} are not read")).byte(at))
     }
 }
 
-fn stored(path: &Path, header: &NiftiHeader) -> Result<Stored, ReadError> {
-    let name = match header.datatype {
-        2 => return Ok(Stored::Voxel(VoxelType::U8)),
-        4 => return Ok(Stored::Voxel(VoxelType::I16)),
-        8 => return Ok(Stored::Voxel(VoxelType::I32)),
-        16 => return Ok(Stored::Voxel(VoxelType::F32)),
-        64 => return Ok(Stored::Voxel(VoxelType::F64)),
-        256 => return Ok(Stored::Voxel(VoxelType::I8)),
-        512 => return Ok(Stored::Voxel(VoxelType::U16)),
-        768 => return Ok(Stored::Voxel(VoxelType::U32)),
-        1024 => return Ok(Stored::I64),
-        1280 => return Ok(Stored::U64),
-        1 => "single bits",
-        32 | 1792 | 2048 => "complex numbers",
-        128 => "RGB colours",
-        2304 => "RGBA colours",
-        1536 => "128-bit floats",
-        code => {
-            let what = format!("{code} is no NIfTI-1 data type");
-            return Err(ReadError::header(path, what).byte(70));
+/// The components of a data type lie together; those along the fifth axis in runs of a volume.
+fn components(
+    path: &Path,
+    header: &Header,
+    scalars: &Scalars,
+    shape: &Shape,
+    options: &ReadOptions,
+) -> Result<Components, ReadError> {
+    match (scalars.count, shape.components) {
+        (count, 1) => Ok(Components::new(count, scalars.reading, options)),
+        (1, count) => {
+            let usual = match COLOUR_INTENTS.contains(&header.intent_code) && count >= 3 {
+                true => Reading::Luminance,
+                false => Reading::Magnitude,
+            };
+            let run = voxel_count(shape.dims).map_err(|e| ReadError::new(path, e))?;
+            Ok(Components::new(count, usual, options).in_runs(run))
         }
+        (inner, outer) => {
+            let what = format!("{outer} components of {inner} numbers each are not read");
+            Err(ReadError::unsupported(path, what).byte(50))
+        }
+    }
+}
+
+/// The header's slope and intercept, where they change anything: as in nibabel, a slope of 0 or none says that there are none, and
+/// colours have none.
+fn rescaling(header: &Header, scalars: &Scalars) -> Option<[f64; 2]> {
+    let (slope, intercept) = (header.slope, header.intercept);
+    let is_said = slope != 0.0 && slope.is_finite() && intercept.is_finite();
+    let is_colour = scalars.reading == Reading::Luminance;
+    (is_said && !is_colour && (slope, intercept) != (1.0, 0.0)).then_some([slope, intercept])
+}
+
+/// Where `bytes` of voxels lie.
+fn stretch(header_path: &Path, header: &Header, bytes: u64) -> Result<Stretch, ReadError> {
+    let offset = offset(header_path, header)?;
+    let path = match header.is_single {
+        true => header_path.to_owned(),
+        false => partner(header_path, "hdr", "img").ok_or_else(|| {
+            ReadError::header(header_path, "its voxels' .img file is missing")
+                .hint("put the .img file of the same name beside it")
+        })?,
     };
-    Err(ReadError::unsupported(path, format!("voxels that are {name} are not read")).byte(70))
+    let io_error = |e| ReadError::io(&path, e);
+    let mut file = BufReader::new(File::open(&path).map_err(io_error)?);
+    let coding = match file.fill_buf().map_err(io_error)?.starts_with(&GZIP_MAGIC) {
+        true => Coding::Deflate,
+        false => Coding::Plain,
+    };
+    Ok(Stretch {
+        path,
+        start: 0,
+        coding,
+        skip: Skip::Bytes(offset),
+        bytes,
+    })
 }
 
-/// Where the voxels start.
-fn offset(path: &Path, header: &NiftiHeader) -> Result<u64, ReadError> {
-    let offset = header.vox_offset;
-    match (&header.magic, offset) {
-        (b"n+1\0", 0.0) => Ok(DEFAULT_OFFSET),
-        (_, offset) if (0.0..=1e9).contains(&offset) => Ok(offset as u64),
-        _ => Err(ReadError::header(path, format!("the voxels cannot start at byte {offset}")).byte(108)),
+/// Where the voxels start: in a single file behind the header and four bytes more, unless it says otherwise.
+fn offset(path: &Path, header: &Header) -> Result<u64, ReadError> {
+    let length = header.bytes();
+    match (header.is_single, header.vox_offset) {
+        (true, 0.0) => Ok(length + 4),
+        (true, offset) if (0.0..=MAX_OFFSET).contains(&offset) => Ok((offset as u64).max(length)),
+        (false, offset) if (0.0..=MAX_OFFSET).contains(&offset) => Ok(offset as u64),
+        (_, offset) => {
+            let at = if header.kind == Kind::Two { 168 } else { 108 };
+            Err(ReadError::header(path, format!("the voxels cannot start at byte {offset}")).byte(at))
+        }
     }
 }
 
-/// The sform when it is set and can be inverted, else the qform when it is set. With neither nothing is known of the
-/// anatomy, and the index axes are taken as they are.
-fn world_from_index(header: &NiftiHeader) -> DAffine3 {
-    let millimetres = millimetres(header);
-    let lps_from_ras = DAffine3::from_scale(LPS_FROM_RAS * millimetres);
-    if let Some(ras_from_index) = sform(header) {
-        return lps_from_ras * ras_from_index;
+/// The voxels of a frame. Of components along the fifth axis each has all its frames before the next.
+fn chunks(payload: Payload, path: &Path, all: Stretch, shape: &Shape, frame: usize) -> Result<Chunks, ReadError> {
+    if shape.components == 1 || shape.frames == 1 {
+        return payload.chunks(path, &[all], frame);
     }
-    match header.qform_code > 0 {
-        true => lps_from_ras * qform(header),
-        false => DAffine3::from_scale(spacing(header) * millimetres),
-    }
-}
-
-/// Millimetres in the header's unit of length.
-fn millimetres(header: &NiftiHeader) -> f64 {
-    match header.xyzt_units & 7 {
-        1 => 1e3,
-        3 => 1e-3,
-        _ => 1.0,
-    }
-}
-
-/// Method 3 of nifti1.h, when it is set and can be inverted. A third column of zeros, as images of one slice have, becomes
-/// the others' normal.
-fn sform(header: &NiftiHeader) -> Option<DAffine3> {
-    let rows = [header.srow_x, header.srow_y, header.srow_z].map(|row| row.map(f64::from));
-    let column = |a: usize| DVec3::new(rows[0][a], rows[1][a], rows[2][a]);
-    let slices = Some(column(2)).filter(|c| *c != DVec3::ZERO);
-    let map = from_axes([Some(column(0)), Some(column(1)), slices], column(3));
-    (header.sform_code > 0 && affine::invert(&map).is_some()).then_some(map)
-}
-
-/// Method 2 of nifti1.h.
-fn qform(header: &NiftiHeader) -> DAffine3 {
-    let [b, c, d] = [header.quatern_b, header.quatern_c, header.quatern_d].map(f64::from);
-    let square = 1.0 - (b * b + c * c + d * d);
-    let rotation = DQuat::from_xyzw(b, c, d, square.max(0.0).sqrt());
-    let mirror = if header.pixdim[0] < 0.0 { -1.0 } else { 1.0 };
-    let origin = [header.quatern_x, header.quatern_y, header.quatern_z].map(f64::from);
-    DAffine3::from_scale_rotation_translation(
-        spacing(header) * DVec3::new(1.0, 1.0, mirror),
-        rotation.normalize(),
-        DVec3::from_array(origin),
-    )
-}
-
-/// The voxels' sizes; 1 for those that are none.
-fn spacing(header: &NiftiHeader) -> DVec3 {
-    let size = |v: f32| f64::from(if v.is_normal() { v.abs() } else { 1.0 });
-    DVec3::new(size(header.pixdim[1]), size(header.pixdim[2]), size(header.pixdim[3]))
-}
-
-/// The header's slope and intercept, where they change anything.
-fn rescaling(header: &NiftiHeader) -> Option<[f64; 2]> {
-    let [slope, intercept] = [header.scl_slope, header.scl_inter].map(f64::from);
-    let said = slope != 0.0 && slope.is_finite() && intercept.is_finite();
-    (said && (slope, intercept) != (1.0, 0.0)).then_some([slope, intercept])
-}
-
-/// The voxels after slope and intercept, as `f32` unless they are `f64`.
-fn rescaled(voxels: Voxels, [slope, intercept]: [f64; 2]) -> Voxels {
-    match voxels {
-        Voxels::F64(v) => Voxels::F64(v.into_iter().map(|v| v * slope + intercept).collect()),
-        voxels => Voxels::F32(for_type!(Voxels, voxels, v => {
-            v.into_iter().map(|v| (v.to_f64() * slope + intercept) as f32).collect()
-        })),
-    }
+    payload.components.check(path)?;
+    let run = payload.bytes() / shape.components as u64;
+    let all = [all];
+    let run_of = |component: usize| {
+        let before = component.saturating_mul(shape.frames).saturating_add(frame);
+        section(&all, run.saturating_mul(before as u64), run)
+    };
+    let own = (0..shape.components).flat_map(run_of).collect();
+    payload.chunks_in(path, &all, own)
 }

@@ -1,21 +1,23 @@
 //! The header of a NRRD file: lines of `field: value`, of `key:=value`, and comments, up to an empty line.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use glam::DVec3;
 
 use super::error::ReadError;
-
-/// The most bytes a header may have.
-const MAX_BYTES: u64 = 1 << 20;
+use super::lines::Lines;
 
 /// A header's fields.
 pub(super) struct Header {
     path: PathBuf,
     fields: BTreeMap<String, Field>,
+    /// The lines after a field `data file: LIST`, which name files.
+    pub list: Vec<String>,
+    /// Where in the file it ends.
+    pub end: u64,
 }
 
 /// A field's value and where it stands.
@@ -29,11 +31,7 @@ pub(super) struct Field {
 impl Header {
     /// Reads a header, and the empty line that ends it.
     pub(super) fn read(path: &Path, reader: &mut impl BufRead) -> Result<Self, ReadError> {
-        let mut lines = Lines {
-            path,
-            reader: reader.take(MAX_BYTES),
-            number: 0,
-        };
+        let mut lines = Lines::new(path, reader);
         let magic = lines.next()?.unwrap_or_default();
         if !magic.starts_with("NRRD000") {
             return Err(ReadError::header(path, "it does not start with NRRD000…").line(1));
@@ -41,11 +39,23 @@ impl Header {
         let mut header = Self {
             path: path.to_owned(),
             fields: BTreeMap::new(),
+            list: Vec::new(),
+            end: 0,
         };
         while let Some(line) = lines.next()?.filter(|line| !line.is_empty()) {
-            header.add(&line, lines.number)?;
+            match header.names_a_list() {
+                true => header.list.push(line),
+                false => header.add(&line, lines.number)?,
+            }
         }
+        header.end = lines.bytes;
         Ok(header)
+    }
+
+    /// Whether its last field is a list of files, which goes on to the header's end.
+    fn names_a_list(&self) -> bool {
+        self.get("datafile")
+            .is_some_and(|field| field.value.starts_with("LIST"))
     }
 
     fn add(&mut self, line: &str, number: usize) -> Result<(), ReadError> {
@@ -162,24 +172,4 @@ fn canonical(name: &str) -> String {
 /// Enough of a text to recognise it.
 fn shortened(text: &str) -> String {
     text.chars().take(60).collect()
-}
-
-/// Numbered lines.
-struct Lines<'a, R> {
-    path: &'a Path,
-    reader: R,
-    number: usize,
-}
-
-impl<R: BufRead> Lines<'_, R> {
-    /// The next line without its end; `None` at the file's end.
-    fn next(&mut self) -> Result<Option<String>, ReadError> {
-        let mut line = Vec::new();
-        let read = self.reader.read_until(b'\n', &mut line);
-        if read.map_err(|e| ReadError::io(self.path, e))? == 0 {
-            return Ok(None);
-        }
-        self.number += 1;
-        Ok(Some(String::from_utf8_lossy(&line).trim_end().to_owned()))
-    }
 }

@@ -1,131 +1,98 @@
-//! Writing NRRD with attached header.
+//! Writing NRRD with attached or detached header.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use glam::DVec3;
-use thiserror::Error;
 
-use super::payload::ByteOrder;
-use crate::volume::grid::{Grid, Voxels};
-use crate::volume::voxel::{VoxelType, for_type};
+use super::stored::ByteOrder;
+use super::write::{Contents, Encoding, Output, VolumeBeside, Work, WriteError, Writer, beside, name_of, voxel_bytes};
+use crate::volume::grid::Grid;
+use crate::volume::voxel::VoxelType;
 
-/// How the voxels are stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// As they are in memory.
-    Raw,
-    /// Compressed.
-    Gzip,
-}
+/// How NRRD is written.
+pub(super) const WRITER: Writer = Writer {
+    suffixes: &[".nrrd", ".nhdr"],
+    writes: "raw or gzip; .nhdr with .raw or .raw.gz beside it",
+    files,
+};
 
-/// A volume that could not be written.
-#[derive(Debug, Error)]
-#[error("{}: cannot be written: {source} (check the folder, its permissions and the space left)", path.display())]
-pub struct WriteError {
-    /// The file.
-    pub path: PathBuf,
-    /// What the operating system says.
-    pub source: io::Error,
-}
-
-/// Writes `grid` to `path` as NRRD. The file appears there only when it is complete.
+/// Writes `grid` to `path` as NRRD, whatever its suffix. The file appears there only when it is complete.
 ///
 /// # Errors
 /// The operating system's, with the file's name.
-pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> Result<(), WriteError> {
-    NrrdBeside::write(path, grid, encoding)?.put()
+pub fn write_nrrd(path: &Path, grid: &Grid, encoding: Encoding) -> Result<(), WriteError> {
+    let output = attached(&Work { path, grid, encoding });
+    VolumeBeside::of(path, Ok(vec![output]))?.put()
 }
 
-/// A complete file beside the place that it is for; it disappears unless it is put there.
-#[derive(Debug)]
-pub struct NrrdBeside {
-    beside: Beside,
-    path: PathBuf,
-}
-
-impl NrrdBeside {
-    /// Writes `grid` beside `path`.
-    ///
-    /// # Errors
-    /// The operating system's, with the file's name.
-    pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> Result<Self, WriteError> {
-        let (beside, path) = (Beside::new(path), path.to_owned());
-        match write_to(&beside.0, grid, encoding) {
-            Ok(()) => Ok(Self { beside, path }),
-            Err(source) => Err(WriteError { path, source }),
-        }
-    }
-
-    /// Puts it in its place.
-    ///
-    /// # Errors
-    /// As [`Self::write`].
-    pub fn put(self) -> Result<(), WriteError> {
-        fs::rename(&self.beside.0, &self.path).map_err(|source| WriteError {
-            path: self.path.clone(),
-            source,
-        })
+fn files<'a>(work: &Work<'a>) -> Result<Vec<Output<'a>>, String> {
+    let is_detached = work.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("nhdr"));
+    match (is_detached, work.encoding) {
+        (false, _) => Ok(vec![attached(work)]),
+        (true, Encoding::Raw) => detached(work, &beside(work.path, ".raw"), work.path),
+        (true, Encoding::Gzip) => detached(work, &beside(work.path, ".raw.gz"), work.path),
     }
 }
 
-/// A file beside the one to write, removed when it goes out of use; after a rename it is no longer there.
-#[derive(Debug)]
-struct Beside(PathBuf);
+/// Raw voxels at the path, and the header beside them.
+pub(super) fn raw_files<'a>(work: &Work<'a>) -> Result<Vec<Output<'a>>, String> {
+    let raw = Work {
+        encoding: Encoding::Raw,
+        ..*work
+    };
+    detached(&raw, work.path, &beside(work.path, ".nhdr"))
+}
 
-impl Beside {
-    fn new(path: &Path) -> Self {
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".{}.part", std::process::id()));
-        Self(path.with_file_name(name))
+fn attached<'a>(work: &Work<'a>) -> Output<'a> {
+    Output {
+        path: work.path.to_owned(),
+        contents: vec![Contents::Made(header(work, "").into_bytes()), voxels(work)],
     }
 }
 
-impl Drop for Beside {
-    fn drop(&mut self) {
-        // It fails when there is none, which is what is wanted.
-        let _ = fs::remove_file(&self.0);
+fn detached<'a>(work: &Work<'a>, data: &Path, header_path: &Path) -> Result<Vec<Output<'a>>, String> {
+    let named = format!("data file: {}\n", name_of(data)?);
+    Ok(vec![
+        Output {
+            path: data.to_owned(),
+            contents: vec![voxels(work)],
+        },
+        Output {
+            path: header_path.to_owned(),
+            contents: vec![Contents::Made(header(work, &named).into_bytes())],
+        },
+    ])
+}
+
+fn voxels<'a>(work: &Work<'a>) -> Contents<'a> {
+    match work.encoding {
+        Encoding::Raw => Contents::There(voxel_bytes(work.grid)),
+        Encoding::Gzip => Contents::Gzip(vec![voxel_bytes(work.grid).into()]),
     }
 }
 
-fn write_to(path: &Path, grid: &Grid, encoding: Encoding) -> io::Result<()> {
-    let mut file = BufWriter::new(File::create(path)?);
-    file.write_all(header(grid, encoding).as_bytes())?;
-    let bytes: &[u8] = for_type!(Voxels, grid.voxels(), v => bytemuck::cast_slice(v));
-    match encoding {
-        Encoding::Raw => file.write_all(bytes)?,
-        Encoding::Gzip => {
-            let mut gzip = GzEncoder::new(&mut file, Compression::fast());
-            gzip.write_all(bytes)?;
-            gzip.finish()?;
-        }
-    }
-    file.into_inner()?.sync_all()
-}
-
-fn header(grid: &Grid, encoding: Encoding) -> String {
-    let [nx, ny, nz] = grid.dims();
-    let axes = grid.world_from_index().matrix3;
+/// The header, with the line `data_file` in it, and the empty line that ends it.
+fn header(work: &Work, data_file: &str) -> String {
+    let [nx, ny, nz] = work.grid.dims();
+    let place = work.grid.world_from_index();
+    let axes = place.matrix3;
     let order = match ByteOrder::NATIVE {
         ByteOrder::Little => "little",
         ByteOrder::Big => "big",
     };
-    let encoding = match encoding {
+    let encoding = match work.encoding {
         Encoding::Raw => "raw",
         Encoding::Gzip => "gzip",
     };
     format!(
         "NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\nsizes: {nx} {ny} {nz}\n\
          space directions: {} {} {}\nkinds: domain domain domain\nendian: {order}\nencoding: {encoding}\n\
-         space units: \"mm\" \"mm\" \"mm\"\nspace origin: {}\n\n",
-        type_name(grid.voxel_type()),
+         space units: \"mm\" \"mm\" \"mm\"\nspace origin: {}\n{data_file}\n",
+        type_name(work.grid.voxel_type()),
         vector(axes.x_axis),
         vector(axes.y_axis),
         vector(axes.z_axis),
-        vector(grid.world_from_index().translation),
+        vector(place.translation),
     )
 }
 

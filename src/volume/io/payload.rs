@@ -1,81 +1,33 @@
 //! The voxels in a file, once its header has told where and how they lie.
-//!
-//! *Practice.* A declared size is a claim. It is held against the file's length (against the best ratio of deflate for a
-//! compressed file) before anything is allocated, and a compressed payload grows chunk by chunk with what really comes, never
-//! beyond the declared size.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek};
-use std::path::Path;
-use std::str::FromStr;
+use std::path::{Path, PathBuf};
 
 use bytemuck::Pod;
 
+use super::components::{Components, Reading};
 use super::error::{Problem, ReadError};
-use super::gunzip::{Gunzip, can_hold};
+use super::open::{Chunks, ReadOptions};
+use super::source::{Source, Stretch, section};
+use super::stored::{ByteOrder, Stored};
 use crate::volume::grid::Voxels;
-use crate::volume::voxel::VoxelType;
+use crate::volume::voxel::{Voxel, VoxelType, for_type};
 
-/// How scalars lie in a file. The 64-bit integers, for which [`Voxels`] has no type, become `f64`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stored {
-    /// As the type.
-    Voxel(VoxelType),
-    /// Signed 64 bit.
-    I64,
-    /// Unsigned 64 bit.
-    U64,
-}
-
-impl Stored {
-    /// The type that they are kept in.
-    pub(super) fn voxel(self) -> VoxelType {
-        match self {
-            Self::Voxel(voxel) => voxel,
-            Self::I64 | Self::U64 => VoxelType::F64,
-        }
-    }
-
-    pub(super) fn bytes(self) -> usize {
-        match self {
-            Self::Voxel(voxel) => voxel.bytes(),
-            Self::I64 | Self::U64 => 8,
-        }
-    }
-}
-
-/// Byte order of the scalars in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ByteOrder {
-    /// Least significant byte first.
-    Little,
-    /// Most significant byte first.
-    Big,
-}
-
-impl ByteOrder {
-    /// This machine's.
-    pub const NATIVE: Self = if cfg!(target_endian = "little") {
-        Self::Little
-    } else {
-        Self::Big
-    };
-}
-
-/// What a header declares of its payload.
-pub(super) struct Payload<'a> {
-    /// The file that holds it, for messages.
-    pub path: &'a Path,
+/// What a header declares of the voxels of one volume.
+pub(super) struct Payload {
     /// The scalars' type in the file.
     pub stored: Stored,
     /// The scalars' byte order in the file.
     pub order: ByteOrder,
-    /// How many scalars.
-    pub count: usize,
+    /// How many voxels.
+    pub voxels: usize,
+    /// How many scalars a voxel has, and what is made of them.
+    pub components: Components,
+    /// Slope and intercept of the scalars, where they change anything.
+    pub rescaling: Option<[f64; 2]>,
 }
 
-/// Bytes read at a time: a multiple of every scalar's size.
-const CHUNK: usize = 1 << 22;
+/// Bytes of a file's scalars that are handed over at a time: what they take stays in a cache until it is put to use.
+const CHUNK: usize = 1 << 20;
 
 /// Evaluates `$body` with `$T` as the Rust type of `$stored`, as [`Voxels`].
 macro_rules! voxels {
@@ -100,158 +52,148 @@ macro_rules! voxels {
     };
 }
 
-impl Payload<'_> {
-    /// Bytes of the decoded payload.
+/// The scalars that `bytes` are, as many as are whole.
+pub(super) fn decoded(stored: Stored, order: ByteOrder, bytes: &[u8]) -> Voxels {
+    fn scalars<T: Pod>(order: ByteOrder, bytes: &[u8]) -> Vec<T> {
+        let whole = bytes.len() - bytes.len() % size_of::<T>();
+        let mut scalars: Vec<T> = bytemuck::pod_collect_to_vec(&bytes[..whole]);
+        turned_round(order, &mut scalars);
+        scalars
+    }
+    voxels!(stored, T => scalars::<T>(order, bytes))
+}
+
+/// Brings the bytes of each scalar into this machine's order.
+fn turned_round<T: Pod>(order: ByteOrder, scalars: &mut [T]) {
+    if order != ByteOrder::NATIVE {
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(scalars);
+        bytes.chunks_exact_mut(size_of::<T>()).for_each(<[u8]>::reverse);
+    }
+}
+
+impl Payload {
+    /// Its bytes, decoded.
     pub(super) fn bytes(&self) -> u64 {
-        (self.count as u64).saturating_mul(self.stored.bytes() as u64)
+        let scalars = (self.voxels as u64).saturating_mul(self.components.count as u64);
+        scalars.saturating_mul(self.stored.bytes() as u64)
     }
 
-    /// The payload from `file`'s position on.
-    pub(super) fn read_raw(&self, file: &mut BufReader<File>) -> Result<Voxels, ReadError> {
-        let found = remaining(file).map_err(|e| ReadError::io(self.path, e))?;
-        self.check(found)?;
-        self.decode(file, self.count)
+    /// The type of the voxels that are handed over.
+    pub(super) fn voxel(&self) -> VoxelType {
+        let scalar = match (self.rescaling, self.stored.voxel()) {
+            (None, scalar) | (Some(_), scalar @ VoxelType::F64) => scalar,
+            (Some(_), _) => VoxelType::F32,
+        };
+        self.components.voxel(scalar)
     }
 
-    /// The payload of the gzip stream at `file`'s position, `skip` decompressed bytes into it.
-    pub(super) fn read_gzip(&self, file: &mut BufReader<File>, skip: u64) -> Result<Voxels, ReadError> {
-        let compressed = remaining(file).map_err(|e| ReadError::io(self.path, e))?;
-        self.check_gzip(compressed, skip)?;
-        self.decode_gzip(&mut Gunzip::new(file), skip)
-    }
-
-    /// The payload of a gzip stream, `skip` decompressed bytes into it. At the stream's end its checksum is tested.
-    pub(super) fn decode_gzip<R: BufRead>(&self, stream: &mut Gunzip<R>, skip: u64) -> Result<Voxels, ReadError> {
-        self.skip(stream, skip)?;
-        let voxels = self.decode(stream, 0)?;
-        io::copy(&mut stream.take(1), &mut io::sink()).map_err(|e| self.stream_error(e, self.bytes()))?;
-        Ok(voxels)
-    }
-
-    /// The payload as numbers separated by white space or commas.
-    pub(super) fn read_text(&self, file: &mut BufReader<File>) -> Result<Voxels, ReadError> {
-        let found = remaining(file).map_err(|e| ReadError::io(self.path, e))?;
-        // A number takes a digit and a separator.
-        if found.saturating_add(1) / 2 < self.count as u64 {
-            let expected = self.count as u64 * 2 - 1;
-            return Err(self.problem(Problem::Truncated { expected, found }));
-        }
-        let mut text = String::new();
-        file.read_to_string(&mut text)
-            .map_err(|e| ReadError::io(self.path, e))?;
-        Ok(voxels!(self.stored, T => self.parse::<T>(&text)?))
-    }
-
-    /// Whether `found` bytes hold the payload.
-    pub(super) fn check(&self, found: u64) -> Result<(), ReadError> {
-        let expected = self.bytes();
-        match found < expected {
-            true => Err(self.problem(Problem::Truncated { expected, found })),
-            false => Ok(()),
-        }
-    }
-
-    /// Whether `compressed` bytes can hold the payload behind `skip` others.
-    pub(super) fn check_gzip(&self, compressed: u64, skip: u64) -> Result<(), ReadError> {
-        let expected = self.bytes().saturating_add(skip);
-        match can_hold(compressed, expected) {
-            true => Ok(()),
-            false => Err(self.problem(Problem::Implausible { expected, compressed })),
-        }
-    }
-
-    /// Reads past `bytes`.
-    pub(super) fn skip(&self, stream: &mut impl Read, bytes: u64) -> Result<(), ReadError> {
-        let skipped = io::copy(&mut stream.take(bytes), &mut io::sink());
-        match skipped.map_err(|e| self.stream_error(e, 0))? == bytes {
-            true => Ok(()),
-            false => Err(self.truncated(0)),
-        }
-    }
-
-    /// The next scalars of a stream of bytes. Room for `trusted` of them is made beforehand.
-    pub(super) fn decode(&self, stream: &mut impl Read, trusted: usize) -> Result<Voxels, ReadError> {
-        Ok(voxels!(self.stored, T => self.decode_as::<T>(stream, trusted)?))
-    }
-
-    fn decode_as<T: Pod>(&self, stream: &mut impl Read, trusted: usize) -> Result<Vec<T>, ReadError> {
-        let memory = |_| self.problem(Problem::Memory(self.bytes()));
-        let mut scalars: Vec<T> = Vec::new();
-        scalars.try_reserve_exact(trusted).map_err(memory)?;
-        while scalars.len() < self.count {
-            let start = scalars.len();
-            let chunk = (CHUNK / size_of::<T>()).min(self.count - start);
-            scalars.try_reserve(chunk).map_err(memory)?;
-            scalars.resize(start + chunk, T::zeroed());
-            let bytes = bytemuck::cast_slice_mut(&mut scalars[start..]);
-            self.fill(stream, bytes, (start * size_of::<T>()) as u64)?;
-            if self.order != ByteOrder::NATIVE {
-                bytes.chunks_exact_mut(size_of::<T>()).for_each(<[u8]>::reverse);
+    /// The voxels of volume `frame`, of those that follow each other in `stretches`. The file at `path` is the one to name.
+    pub(super) fn chunks(self, path: &Path, stretches: &[Stretch], frame: usize) -> Result<Chunks, ReadError> {
+        self.components.check(path)?;
+        let from = self.bytes().saturating_mul(frame as u64);
+        match self.components {
+            Components {
+                run,
+                reading: Reading::One(component),
+                ..
+            } if run == self.voxels => {
+                // One run is the whole volume: the others need not be read.
+                let alone = Self {
+                    components: Components::SCALAR,
+                    ..self
+                };
+                let before = alone.bytes().saturating_mul(component as u64);
+                let own = section(stretches, from.saturating_add(before), alone.bytes());
+                alone.chunks_in(path, stretches, own)
+            }
+            _ => {
+                let own = section(stretches, from, self.bytes());
+                self.chunks_in(path, stretches, own)
             }
         }
+    }
+
+    /// The voxels in `own`, which are parts of `all`: a series that is cut off is not taken for whole.
+    pub(super) fn chunks_in(self, path: &Path, all: &[Stretch], own: Vec<Stretch>) -> Result<Chunks, ReadError> {
+        all.iter().try_for_each(Stretch::check)?;
+        Ok(Box::new(Reader {
+            path: path.to_owned(),
+            left: self.voxels,
+            source: Source::new(own),
+            payload: self,
+        }))
+    }
+}
+
+/// Which volume is meant of the `frames` of the file at `path`.
+pub(super) fn chosen_frame(path: &Path, frames: usize, options: &ReadOptions) -> Result<usize, ReadError> {
+    match options.frame {
+        Some(frame) if frame >= frames => {
+            let what = format!("there is no volume {frame}: it holds {frames}, from 0 on");
+            Err(ReadError::unsupported(path, what).hint("say another --volume-frame"))
+        }
+        frame => Ok(frame.unwrap_or(0)),
+    }
+}
+
+/// A payload that is being read.
+struct Reader {
+    path: PathBuf,
+    payload: Payload,
+    source: Source,
+    /// Voxels still to come.
+    left: usize,
+}
+
+impl Reader {
+    /// How many voxels come next: whole runs, of all components.
+    fn next_voxels(&self) -> usize {
+        let Components { count, run, .. } = self.payload.components;
+        let bytes = run.saturating_mul(count).saturating_mul(self.payload.stored.bytes());
+        run.saturating_mul((CHUNK / bytes).max(1)).min(self.left)
+    }
+
+    fn read(&mut self, voxels: usize) -> Result<Voxels, ReadError> {
+        let scalars = voxels.saturating_mul(self.payload.components.count);
+        let scalars = voxels!(self.payload.stored, T => self.scalars::<T>(scalars)?);
+        Ok(self.payload.components.combine(match self.payload.rescaling {
+            Some(by) => rescaled(scalars, by),
+            None => scalars,
+        }))
+    }
+
+    fn scalars<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, ReadError> {
+        let memory = |_| ReadError::new(&self.path, Problem::Memory(self.payload.bytes()));
+        let mut scalars: Vec<T> = Vec::new();
+        scalars.try_reserve_exact(count).map_err(memory)?;
+        scalars.resize(count, T::zeroed());
+        self.source.fill(bytemuck::cast_slice_mut(&mut scalars))?;
+        turned_round(self.payload.order, &mut scalars);
         Ok(scalars)
     }
+}
 
-    /// Fills `bytes`, which come after `before` others of the payload.
-    fn fill(&self, stream: &mut impl Read, bytes: &mut [u8], before: u64) -> Result<(), ReadError> {
-        let mut filled = 0;
-        while filled < bytes.len() {
-            let found = before + filled as u64;
-            match stream.read(&mut bytes[filled..]) {
-                Ok(0) => return Err(self.truncated(found)),
-                Ok(n) => filled += n,
-                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
-                Err(e) => return Err(self.stream_error(e, found)),
-            }
+impl Iterator for Reader {
+    type Item = Result<Voxels, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.left == 0 {
+            return None;
         }
-        Ok(())
-    }
-
-    fn parse<T: FromStr>(&self, text: &str) -> Result<Vec<T>, ReadError> {
-        let mut scalars = Vec::with_capacity(self.count);
-        for word in words(text).take(self.count) {
-            let bad = |_| self.problem(Problem::Text(word.chars().take(40).collect()));
-            scalars.push(word.parse().map_err(bad)?);
-        }
-        match scalars.len() == self.count {
-            true => Ok(scalars),
-            false => Err(ReadError::header(
-                self.path,
-                format!(
-                    "the header declares {} voxels, the text has {}",
-                    self.count,
-                    scalars.len()
-                ),
-            )),
-        }
-    }
-
-    fn truncated(&self, found: u64) -> ReadError {
-        let expected = self.bytes();
-        self.problem(Problem::Truncated { expected, found })
-    }
-
-    fn stream_error(&self, error: io::Error, found: u64) -> ReadError {
-        match error.kind() {
-            io::ErrorKind::UnexpectedEof => self.truncated(found),
-            io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => self.problem(Problem::Compressed(error)),
-            _ => self.problem(Problem::Io(error)),
-        }
-    }
-
-    fn problem(&self, problem: Problem) -> ReadError {
-        ReadError::new(self.path, problem)
+        let voxels = self.next_voxels();
+        let read = self.read(voxels);
+        // Nothing follows an error.
+        self.left = if read.is_ok() { self.left - voxels } else { 0 };
+        Some(read)
     }
 }
 
-/// The words between white space and commas.
-fn words(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|c: char| c.is_ascii_whitespace() || c == ',')
-        .filter(|word| !word.is_empty())
-}
-
-/// The bytes from the file's position to its end.
-pub(super) fn remaining(file: &mut BufReader<File>) -> io::Result<u64> {
-    let length = file.get_ref().metadata()?.len();
-    Ok(length.saturating_sub(file.stream_position()?))
+/// The scalars after slope and intercept, as `f32` unless they are `f64`.
+fn rescaled(scalars: Voxels, [slope, intercept]: [f64; 2]) -> Voxels {
+    match scalars {
+        Voxels::F64(v) => Voxels::F64(v.into_iter().map(|v| v * slope + intercept).collect()),
+        scalars => Voxels::F32(for_type!(Voxels, scalars, v => {
+            v.into_iter().map(|v| (v.to_f64() * slope + intercept) as f32).collect()
+        })),
+    }
 }

@@ -1,20 +1,20 @@
 //! Raw voxels without a header: the caller says what they are.
 
-use std::fs::File;
-use std::io::{BufReader, Seek, SeekFrom};
 use std::path::Path;
 
 use glam::DAffine3;
 
+use super::components::Components;
 use super::error::ReadError;
 use super::format::Format;
+use super::nrrd_write;
 use super::open::{Declared, Opened};
-use super::payload::{ByteOrder, Payload, Stored, remaining};
+use super::payload::Payload;
+use super::source::{Coding, Skip, Stretch};
+use super::stored::{ByteOrder, Stored};
+use super::write::Writer;
 use crate::volume::grid::voxel_count;
 use crate::volume::voxel::VoxelType;
-
-/// Bytes of the voxels that are handed over at a time.
-const CHUNK: usize = 1 << 22;
 
 /// What a file of raw voxels does not say itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,10 +42,29 @@ pub(super) const FORMAT: Format = Format {
         None => Err(ReadError::unsupported(path, "a raw file does not say what it holds")
             .hint("give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it")),
     },
+    writer: Some(Writer {
+        suffixes: &[".raw"],
+        writes: "the voxels as they are in memory, and a NRRD header (.nhdr) beside them that says what they are",
+        files: nrrd_write::raw_files,
+    }),
 };
 
 /// Opens the raw voxels in the file at `path`.
 fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
+    let payload = Payload {
+        stored: Stored::Voxel(layout.voxel),
+        order: layout.order,
+        voxels: voxel_count(layout.dims).map_err(|e| ReadError::new(path, e))?,
+        components: Components::SCALAR,
+        rescaling: None,
+    };
+    let stretch = Stretch {
+        path: path.to_owned(),
+        start: layout.offset,
+        coding: Coding::Plain,
+        skip: Skip::Bytes(0),
+        bytes: payload.bytes(),
+    };
     let declared = Declared {
         format: FORMAT.name,
         name: String::new(),
@@ -56,35 +75,8 @@ fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
         components: 1,
         notes: Vec::new(),
     };
-    let mut left = voxel_count(layout.dims).map_err(|e| ReadError::new(path, e))?;
-    let mut file = data(path, layout, left)?;
-    let (of, layout) = (path.to_owned(), *layout);
-    let chunks = std::iter::from_fn(move || {
-        let count = left.min(CHUNK / layout.voxel.bytes());
-        left -= count;
-        (count > 0).then(|| payload(&of, &layout, count).decode(&mut file, count))
-    });
-    Opened::new(path.to_owned(), declared, Box::new(chunks))
-}
-
-/// The file, where the voxels begin, if it is long enough for all.
-fn data(path: &Path, layout: &RawLayout, count: usize) -> Result<BufReader<File>, ReadError> {
-    let io_error = |e| ReadError::io(path, e);
-    let mut file = BufReader::new(File::open(path).map_err(io_error)?);
-    file.seek(SeekFrom::Start(layout.offset)).map_err(io_error)?;
-    let found = remaining(&mut file).map_err(io_error)?;
-    payload(path, layout, count)
-        .check(found)
+    let chunks = payload
+        .chunks(path, &[stretch], 0)
         .map_err(|e| e.hint("give the size, type and offset that the file has"))?;
-    Ok(file)
-}
-
-/// Some of the voxels.
-fn payload<'a>(path: &'a Path, layout: &RawLayout, count: usize) -> Payload<'a> {
-    Payload {
-        path,
-        stored: Stored::Voxel(layout.voxel),
-        order: layout.order,
-        count,
-    }
+    Opened::new(path.to_owned(), declared, chunks)
 }

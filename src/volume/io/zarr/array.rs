@@ -11,7 +11,7 @@ use super::codec::{Chain, Codec};
 use super::json::{Document, Named};
 use crate::volume::grid::Voxels;
 use crate::volume::io::error::ReadError;
-use crate::volume::io::payload::{ByteOrder, Stored};
+use crate::volume::io::stored::{ByteOrder, Stored};
 use crate::volume::voxel::{Voxel, VoxelType, for_type};
 
 /// The most axes that an array may have.

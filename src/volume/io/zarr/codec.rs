@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::blosc;
 use super::json::{Document, Named};
 use crate::volume::io::error::ReadError;
-use crate::volume::io::payload::ByteOrder;
+use crate::volume::io::stored::ByteOrder;
 
 /// The codecs of chunks.
 #[derive(Debug)]

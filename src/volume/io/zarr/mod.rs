@@ -43,6 +43,7 @@ pub(super) const FORMAT: Format = Format {
         true => open(path, options),
         false => open(&path.with_file_name(""), options),
     },
+    writer: None,
 };
 
 /// Opens the volumes in the folder at `path`.

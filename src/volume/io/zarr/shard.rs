@@ -9,7 +9,7 @@ use super::chunks::{Chunk, Selection, place, read};
 use super::codec::{Chain, Codec, damaged};
 use crate::volume::grid::Region;
 use crate::volume::io::error::{Problem, ReadError};
-use crate::volume::io::payload::ByteOrder;
+use crate::volume::io::stored::ByteOrder;
 
 /// Bytes of an index's entry: offset and length.
 const ENTRY: usize = 16;
