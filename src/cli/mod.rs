@@ -13,10 +13,12 @@ mod job;
 mod levels;
 mod mesh;
 mod overrides;
+mod presets;
 mod render;
 mod sequence;
 mod source;
 mod surfaces;
+mod swatch;
 mod video;
 
 use std::process::ExitCode;
@@ -40,6 +42,7 @@ enum Command {
     Bake(bake::Bake),
     Mesh(mesh::MeshCommand),
     Devices(devices::Devices),
+    Presets(presets::Presets),
     Bench(bench::Bench),
 }
 
@@ -51,6 +54,7 @@ pub fn run() -> ExitCode {
         Command::Bake(bake) => bake.run(),
         Command::Mesh(mesh) => mesh.run(),
         Command::Devices(devices) => devices.run(),
+        Command::Presets(presets) => presets.run(),
         Command::Bench(bench) => bench.run(),
     };
     match result {
