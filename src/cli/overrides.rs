@@ -74,6 +74,17 @@ pub(super) struct Overrides {
 }
 
 impl Overrides {
+    /// Says what is not taken of a preset's file: once, however many frames are drawn with it.
+    pub fn remark(&self) -> Result<(), CliError> {
+        let named = self.preset.as_deref().map(Path::new);
+        if let Some(file) = named.filter(|path| volume_property::is_volume_property(path)) {
+            for left_out in volume_property::read(file)?.left_out {
+                note(&format!("{}: not taken: {left_out}", file.display()));
+            }
+        }
+        Ok(())
+    }
+
     /// Sets in `scene` what was given.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), CliError> {
         self.apply_transfer(scene)?;
@@ -134,11 +145,7 @@ fn chosen(name: &str) -> Result<TransferChoice, CliError> {
     if !volume_property::is_volume_property(path) {
         return Ok(TransferChoice::Preset(preset_named(name)?));
     }
-    let reading = volume_property::read(path)?;
-    for left_out in &reading.left_out {
-        note(&format!("{name}: not taken: {left_out}"));
-    }
-    Ok(TransferChoice::File(reading.property))
+    Ok(TransferChoice::File(volume_property::read(path)?.property))
 }
 
 /// The preset called `name`.

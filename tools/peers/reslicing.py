@@ -15,7 +15,7 @@ from timing import measure, serve
 from volumes import SIDE, image_from_array
 
 
-def parser(description, repeats):
+def peer_arguments(description, repeats):
     """The arguments of every measurement; a script adds its own."""
     parser = argparse.ArgumentParser(description=description.splitlines()[0])
     parser.add_argument("--raw", required=True, type=pathlib.Path)

@@ -14,11 +14,11 @@ from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonTransforms import vtkThinPlateSplineTransform
 
-from reslicing import parser, report
+from reslicing import peer_arguments, report
 
 
 def arguments():
-    arguments = parser(__doc__, repeats=3)
+    arguments = peer_arguments(__doc__, repeats=3)
     arguments.add_argument("--landmarks", required=True, type=pathlib.Path)
     arguments.add_argument("--swapped", action="store_true", help="the spline of the swapped landmarks, not the inverse")
     return arguments.parse_args()

@@ -8,7 +8,7 @@ volume's centre. Points that fall outside are 0. With --serve one result is made
 
 from vtkmodules.vtkCommonTransforms import vtkTransform
 
-from reslicing import parser, report
+from reslicing import peer_arguments, report
 
 ANGLE_DEG = 30.0
 AXIS = (1.0, 2.0, 3.0)
@@ -24,4 +24,4 @@ def turn_about_centre(image):
 
 
 if __name__ == "__main__":
-    report(parser(__doc__, repeats=7).parse_args(), turn_about_centre, {"angle_deg": ANGLE_DEG, "axis": AXIS})
+    report(peer_arguments(__doc__, repeats=7).parse_args(), turn_about_centre, {"angle_deg": ANGLE_DEG, "axis": AXIS})

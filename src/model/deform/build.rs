@@ -151,14 +151,18 @@ impl Grower<'_> {
         };
         let size = edge as f64 * self.layout.step;
         let allowed = self.frame.error_voxels;
-        let at_landmarks = self.frame.error_at_landmarks(&found, size);
+        let local = self.frame.about(&found, size);
+        let at_landmarks = self.frame.error_at_landmarks(&local, size);
         if at_landmarks > allowed || self.frame.is_coarse(&found, size) {
             return self.split(origin, edge, Some(&found));
         }
         let vertices = self.corners(origin, edge, Some(&found));
-        let bends = vertices
-            .iter()
-            .fold(self.frame.bends(&found), |most, v| most.max(v.bends));
+        // Where no landmark is near, the second derivatives about the middle are known already.
+        let in_middle = match local.kinks == 0.0 {
+            true => self.frame.bends_as(&found, &local),
+            false => self.frame.bends(&found),
+        };
+        let bends = vertices.iter().fold(in_middle, |most, v| most.max(v.bends));
         let bent = MARGIN / 8.0 * size * size * bends.element_sum();
         let is_bent = bent.is_nan() || bent > allowed;
         if bends == DVec3::INFINITY || is_bent && at_landmarks == 0.0 {

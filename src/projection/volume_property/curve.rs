@@ -1,14 +1,18 @@
 //! VTK's piecewise functions, made piecewise linear.
 //!
 //! *Theory.* Between two nodes VTK puts the middle of the change where the left node's *midpoint* says, and bends the change by
-//! its *sharpness* k. With s running from 0 to ½ before the middle and to 1 after it: below k = 0.01 the change is s; above 0.99 it is a
-//! step in the middle; between, it is `3w² − 2w³ + (1−k)(2w³ − 3w² + w)` with `w = ½(2s)^(1+10k)` before the middle, and the same turned
+//! its *sharpness* k. With s running from 0 to ½ before the middle and to 1 after it: below k = 0.01 the change is s; above 0.99 that of
+//! a colour, not that of an opacity, is a step in the middle; else it is `3w² − 2w³ + (1−k)(2w³ − 3w² + w)` with `w = ½(2s)^(1+10k)` before the middle, and the same turned
 //! about the middle after it. Before the middle both the power and the cubic are convex and rise, so their composition does too.
 //! *Practice.* Lines and steps are taken as they are. A bend is halved until it is near its chord: a convex curve lies in the triangle
 //! of its chord and the tangents at its ends, and that triangle is at most [`BEND_ERROR`] of the change high.
 
 /// How far a bend may be from the lines that are taken for it, as a part of the change between its nodes: a quarter of an 8-bit step.
 pub const BEND_ERROR: f64 = 1.0 / 1024.0;
+
+/// The sharpest bends of VTK's colours, and of its opacities.
+pub(super) const COLOR_BEND: f64 = 0.99;
+pub(super) const OPACITY_BEND: f64 = 1.0;
 
 /// A node of VTK's functions: a value, what the function is there, and how it goes on to the next node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +32,8 @@ pub struct Node<const N: usize> {
 pub(super) struct Polyline<const N: usize>(Vec<(f32, [f64; N])>);
 
 impl<const N: usize> Polyline<N> {
-    /// Through `nodes`, in any order; of several in one place the last counts.
-    pub fn through(mut nodes: Vec<Node<N>>) -> Self {
+    /// Through `nodes`, in any order; of several in one place the last counts. Sharper changes than `sharpest_bend` are steps.
+    pub fn through(mut nodes: Vec<Node<N>>, sharpest_bend: f64) -> Self {
         // Stable, so the last of a place is the one that came last.
         nodes.sort_by(|a, b| a.x.total_cmp(&b.x));
         let mut unique: Vec<Node<N>> = Vec::new();
@@ -43,7 +47,7 @@ impl<const N: usize> Polyline<N> {
         for (i, node) in unique.iter().enumerate() {
             knots.push((node.x as f32, node.y));
             if let Some(next) = unique.get(i + 1) {
-                knots.extend(between(node, next));
+                knots.extend(between(node, next, sharpest_bend));
             }
         }
         Self(knots)
@@ -82,7 +86,7 @@ fn mix<const N: usize>(from: &[f64; N], to: &[f64; N], t: f64) -> [f64; N] {
 }
 
 /// The knots between two nodes.
-fn between<const N: usize>(from: &Node<N>, to: &Node<N>) -> Vec<(f32, [f64; N])> {
+fn between<const N: usize>(from: &Node<N>, to: &Node<N>, sharpest_bend: f64) -> Vec<(f32, [f64; N])> {
     // As VTK does: in an end of the way the middle would be nowhere.
     let middle = from.midpoint.clamp(1e-5, 1.0 - 1e-5);
     let place = |s: f64| {
@@ -98,7 +102,7 @@ fn between<const N: usize>(from: &Node<N>, to: &Node<N>) -> Vec<(f32, [f64; N])>
         Vec::new()
     } else if from.sharpness < 0.01 {
         vec![knot((0.5, 0.5))]
-    } else if from.sharpness > 0.99 {
+    } else if from.sharpness > sharpest_bend {
         vec![knot((0.5, 0.0)), knot((0.5, 1.0))]
     } else {
         Bend::of(from.sharpness).knots().into_iter().map(knot).collect()
@@ -164,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_bend_is_as_near_its_lines_as_it_is_said_to_be() {
-        for sharpness in [0.01, 0.02, 0.1, 0.37, 0.8, 0.99] {
+        for sharpness in [0.01, 0.02, 0.1, 0.37, 0.8, 0.99, 1.0] {
             let bend = Bend::of(sharpness);
             let ends = [vec![(0.0, 0.0)], bend.knots(), vec![(1.0, 1.0)]].concat();
             assert!(ends.len() < 60, "{sharpness} takes {} knots", ends.len());
@@ -193,7 +197,8 @@ mod tests {
             midpoint: 0.5,
             sharpness,
         };
-        let line = Polyline::through(vec![node(2.0, 1.0, 0.0), node(0.0, 0.3, 1.0), node(0.0, 0.0, 1.0)]);
+        let nodes = vec![node(2.0, 1.0, 0.0), node(0.0, 0.3, 1.0), node(0.0, 0.0, 1.0)];
+        let line = Polyline::through(nodes, COLOR_BEND);
         assert_eq!(line.around(0.0), [[0.0]; 2]);
         assert_eq!(line.around(1.0), [[0.0], [1.0]]);
         assert_eq!(line.around(9.0), [[1.0]; 2]);

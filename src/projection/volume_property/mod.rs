@@ -12,8 +12,8 @@ mod text;
 use std::io::Write;
 use std::path::Path;
 
-use self::curve::Polyline;
 pub use self::curve::{BEND_ERROR, Node};
+use self::curve::{COLOR_BEND, OPACITY_BEND, Polyline};
 use super::presets::Look;
 use super::{ControlPoint, Material, Mode, TransferFunction};
 use crate::output::write_whole;
@@ -165,7 +165,9 @@ struct Parts {
 
 impl Parts {
     fn reading(self) -> Result<Reading, Wrong> {
-        let points = control_points(&Polyline::through(self.color), &Polyline::through(self.opacity));
+        let color = Polyline::through(self.color, COLOR_BEND);
+        let opacity = Polyline::through(self.opacity, OPACITY_BEND);
+        let points = control_points(&color, &opacity);
         let function = TransferFunction::new(points, self.unit_mm).map_err(|e| Wrong::whole(e.to_string()))?;
         Ok(Reading {
             property: VolumeProperty {
