@@ -34,7 +34,7 @@ const BAR: u32 = 14;
 const VOXELS: f64 = 160.0;
 
 /// Pictures are small, so their margins are too.
-const CLOSER: f64 = 1.4;
+const CLOSER: f64 = 1.25;
 
 const PHANTOM: &str = include_str!("../../assets/scenes/phantom.kdl");
 
