@@ -208,6 +208,7 @@ const TEXTS: &[&str] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::projection::{Material, Mode};
 
     #[test]
     fn every_preset_reads_and_has_its_own_name_and_words() {
@@ -222,7 +223,17 @@ mod tests {
             assert!(preset.range.width() > 0.0, "{}", preset.name);
             let points = preset.function.points();
             assert!(points.iter().any(|p| p.opacity > 0.0), "{} shows nothing", preset.name);
-            assert_eq!(points[0].opacity, 0.0, "{} shows the air around", preset.name);
+            let around = if preset.scale == Scale::Signed {
+                0.0
+            } else {
+                points[0].value
+            };
+            assert_eq!(
+                preset.function.evaluate(around).1,
+                0.0,
+                "{} shows the air around",
+                preset.name
+            );
             assert_eq!(preset.kind == Kind::Ct, preset.name.starts_with("ct-"));
         }
     }
@@ -258,5 +269,41 @@ mod tests {
         };
         assert_eq!(suited_to(&ct).kind(), Kind::Ct);
         assert_eq!(suited_to(&mr).name(), "mr-default");
+        // What a scene has that says nothing of how it is seen.
+        let usual = Look {
+            mode: Mode::Composite,
+            material: Some(Material::default()),
+        };
+        assert_eq!([suited_to(&ct), suited_to(&mr)].map(Preset::look), [usual; 2]);
+    }
+
+    #[test]
+    fn numbers_are_fitted_to_their_anchors() {
+        let data = DataStatistics {
+            min: -50.0,
+            max: 900.0,
+            low: -40.0,
+            high: 200.0,
+            found_modes: Some(Modes {
+                background: 10.0,
+                tissues: [90.0, 130.0],
+            }),
+        };
+        let first_value = |name: &str| {
+            let preset = named(name).unwrap();
+            (
+                preset.own_function().points()[0].value,
+                preset.fitted(&data, 1.0).points()[0].value,
+            )
+        };
+        assert_eq!(first_value("grey"), (0.0, -40.0));
+        assert_eq!(first_value("signed"), (-1.0, -200.0));
+        assert_eq!(first_value("grey-8bit"), (0.0, 0.0));
+        let brain = named("mr-t1-brain").unwrap().fitted(&data, 1.0);
+        // 1, 2 and 2.5 of the preset's numbers: the tissues, and half their distance beyond.
+        for (at, value) in [(2, 90.0), (5, 130.0), (6, 150.0)] {
+            // A product and two sums of numbers below 256.
+            assert!((brain.points()[at].value - value).abs() <= 3.0 * 128.0 * f32::EPSILON);
+        }
     }
 }
