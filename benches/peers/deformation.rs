@@ -14,6 +14,7 @@ use vcsg::volume::Bricks;
 
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
+use crate::rows::Rows;
 use crate::runs::{Ratios, Summary, timed};
 use crate::scene::{self, SIDE};
 use crate::vtk::Peer;
@@ -30,6 +31,8 @@ const FARTHEST_MM: f64 = 8.0;
 
 /// Where both sides have them from.
 const TABLE: &str = "target/bench/landmarks.txt";
+
+const ROWS: Rows = Rows(14);
 
 /// What VTK does.
 #[derive(Clone, Copy, PartialEq)]
@@ -71,10 +74,7 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
     println!(
         "\nA 256³ volume deformed by {LANDMARKS} landmarks on a lattice of 256³, linear; seconds, and how many times as fast as vtkImageReslice"
     );
-    println!(
-        "{:<14} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} | {:>7} {:>6} {:>6}  {:<14} | cells, error measured and of all voxels, mean and most apart from VTK",
-        "", "median", "min", "CPU", "VTK med", "min", "CPU", "median", "min", "CPU", "bar"
-    );
+    ROWS.head("cells, error measured and of all voxels, mean and most apart from VTK");
     write_pairs(Path::new(TABLE), &landmarks())?;
     let mut done = Vec::new();
     for (volume, peers) in [("head", Peers::Same), ("dense", Peers::Same), ("head", Peers::Swapped)] {
@@ -255,25 +255,9 @@ fn off(spline: &Spline, source: DVec3, seen: DVec3) -> f64 {
 
 impl Comparison {
     fn print(&self) {
-        let (o, t, r) = (&self.ours, &self.theirs, &self.faster);
         let bar = self.bars.first().map_or_else(String::new, Bar::to_string);
-        println!(
-            "{:<14} {:8.3} {:8.3} {:8.3} | {:8.3} {:8.3} {:8.3} | {:7.2} {:6.2} {:6.2}  {bar:<14} | {} {:.3} {:.3} {:.3} {:.1}",
-            self.what,
-            o.median_s,
-            o.min_s,
-            o.cpu_min_s,
-            t.median_s,
-            t.min_s,
-            t.cpu_min_s,
-            r.median,
-            r.min,
-            r.cpu,
-            self.cells,
-            self.measured_voxels,
-            self.worst_voxels,
-            self.apart[0],
-            self.apart[1],
-        );
+        let (measured, worst, [mean, most]) = (self.measured_voxels, self.worst_voxels, self.apart);
+        let behind = format!("{} {measured:.3} {worst:.3} {mean:.3} {most:.1}", self.cells);
+        ROWS.print(&self.what, &self.ours, &self.theirs, &self.faster, &bar, &behind);
     }
 }

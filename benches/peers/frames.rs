@@ -14,6 +14,7 @@ use crate::Outcome;
 use crate::bar::{Bar, Limit};
 use crate::drawing::{Drawing, Work};
 use crate::picture::{self, Difference};
+use crate::rows::Rows;
 use crate::runs::{Ratios, Run, Summary, median};
 use crate::scene::{self, FRAME_EDGE, Look};
 use crate::vtk::Peer;
@@ -85,6 +86,8 @@ struct PeerCase {
     picture: String,
 }
 
+const ROWS: Rows = Rows(22);
+
 /// Milliseconds of each stage of ours: medians by the wall clock.
 #[derive(Serialize)]
 pub struct Stages {
@@ -127,10 +130,7 @@ pub fn compare(device: &Arc<Device>, name: &str, repetitions: Repetitions) -> Ou
     println!(
         "\nFrames of {FRAME_EDGE}² of 256³ u8, one sample a voxel, read back; seconds, and how many times as fast as VTK"
     );
-    println!(
-        "{:<22} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} | {:>7} {:>6} {:>6}  {:<14} | 8-bit difference: mean, 99 %, most",
-        "", "median", "min", "CPU", "VTK med", "min", "CPU", "median", "min", "CPU", "bar"
-    );
+    ROWS.head("8-bit difference: mean, 99 %, most");
     let mut renderer = SliceRenderer::new(device)?;
     let mut done = Vec::new();
     for case in CASES.iter().filter(|case| case.what().contains(name)) {
@@ -235,24 +235,10 @@ impl Stages {
 
 impl Comparison {
     fn print(&self) {
-        let (o, t, r, d) = (&self.ours, &self.theirs, &self.faster, &self.difference);
-        println!(
-            "{:<22} {:8.3} {:8.3} {:8.3} | {:8.3} {:8.3} {:8.3} | {:7.2} {:6.2} {:6.2}  {:<14} | {:.2}, {}, {}",
-            self.what,
-            o.median_s,
-            o.min_s,
-            o.cpu_min_s,
-            t.median_s,
-            t.min_s,
-            t.cpu_min_s,
-            r.median,
-            r.min,
-            r.cpu,
-            self.bar.to_string(),
-            d.mean,
-            d.percentile_99,
-            d.max
-        );
+        let d = &self.difference;
+        let behind = format!("{:.2}, {}, {}", d.mean, d.percentile_99, d.max);
+        let bar = self.bar.to_string();
+        ROWS.print(&self.what, &self.ours, &self.theirs, &self.faster, &bar, &behind);
     }
 }
 

@@ -15,6 +15,7 @@ mod primitives;
 mod quads;
 mod rates;
 mod resampling;
+mod rows;
 mod runs;
 mod scene;
 mod surfaces;

@@ -11,12 +11,15 @@ use vcsg::volume::Bricks;
 
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
+use crate::rows::Rows;
 use crate::runs::{Ratios, Summary, timed};
 use crate::scene::{self, SIDE};
 use crate::vtk::Peer;
 
 /// How many times as fast as vtkImageReslice ours must be.
 const BAR: f64 = 4.0;
+
+const ROWS: Rows = Rows(8);
 
 /// What the script says about its turn.
 #[derive(Deserialize)]
@@ -55,10 +58,7 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
     println!(
         "\nA rotated 256³ volume on a lattice of 256³, linear; seconds, and how many times as fast as vtkImageReslice"
     );
-    println!(
-        "{:<8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} | {:>7} {:>6} {:>6}  {:<14} | most apart in the interior",
-        "", "median", "min", "CPU", "VTK med", "min", "CPU", "median", "min", "CPU", "bar"
-    );
+    ROWS.head("most apart in the interior");
     let mut done = Vec::new();
     for volume in ["head", "dense"] {
         let comparison = compare_one(volume, repetitions)?;
@@ -146,22 +146,8 @@ fn most_apart(model: &Model, source_from_output: &DAffine3, resliced: &str) -> O
 
 impl Comparison {
     fn print(&self) {
-        let (o, t, r) = (&self.ours, &self.theirs, &self.faster);
-        println!(
-            "{:<8} {:8.3} {:8.3} {:8.3} | {:8.3} {:8.3} {:8.3} | {:7.2} {:6.2} {:6.2}  {:<14} | {:.3} of {} voxels",
-            self.what,
-            o.median_s,
-            o.min_s,
-            o.cpu_min_s,
-            t.median_s,
-            t.min_s,
-            t.cpu_min_s,
-            r.median,
-            r.min,
-            r.cpu,
-            self.bar.to_string(),
-            self.most_apart,
-            self.compared
-        );
+        let behind = format!("{:.3} of {} voxels", self.most_apart, self.compared);
+        let bar = self.bar.to_string();
+        ROWS.print(&self.what, &self.ours, &self.theirs, &self.faster, &bar, &behind);
     }
 }

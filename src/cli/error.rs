@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use crate::gpu::GpuError;
 use crate::image::EncodeError;
 use crate::projection::ProjectError;
+use crate::projection::volume_property::VolumePropertyError;
 use crate::render::{DeviceMeshError, DrawLevelsError};
 use crate::scene::SceneError;
 use crate::surface::ExtractError;
@@ -49,6 +50,9 @@ pub enum CliError {
     /// The mesh file.
     #[error(transparent)]
     Mesh(#[from] MeshWriteError),
+    /// A file of 3D Slicer's.
+    #[error(transparent)]
+    VolumeProperty(#[from] VolumePropertyError),
     /// Options that do not go together, or name nothing.
     #[error("{0}")]
     Usage(String),

@@ -151,6 +151,7 @@ pub(super) fn statistics(target: &Target) -> DataStatistics {
         max: 0.0,
         low: 0.0,
         high: 0.0,
+        found_modes: None,
     };
     DataStatistics::of_target(target).unwrap_or(nothing)
 }

@@ -16,10 +16,12 @@ mod levels;
 mod loading;
 mod mesh;
 mod overrides;
+mod presets;
 mod render;
 mod sequence;
 mod source;
 mod surfaces;
+mod swatch;
 mod video;
 
 use std::process::ExitCode;
@@ -45,6 +47,7 @@ enum Command {
     Formats(formats::Formats),
     Mesh(mesh::MeshCommand),
     Devices(devices::Devices),
+    Presets(presets::Presets),
     Bench(bench::Bench),
 }
 
@@ -58,6 +61,7 @@ pub fn run() -> ExitCode {
         Command::Formats(formats) => formats.run(),
         Command::Mesh(mesh) => mesh.run(),
         Command::Devices(devices) => devices.run(),
+        Command::Presets(presets) => presets.run(),
         Command::Bench(bench) => bench.run(),
     };
     match result {

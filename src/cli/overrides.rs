@@ -1,12 +1,16 @@
 //! Options that stand in for what a scene says about how it is seen.
 
+use std::path::Path;
+
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 
 use super::CliError;
+use super::console::note;
 use crate::math::Interval;
-use crate::projection::presets;
+use crate::projection::presets::{self, Preset};
 use crate::projection::rgb_from_hex;
+use crate::projection::volume_property;
 use crate::projection::{Mode, Projection};
 use crate::scene::{Scene, SurfaceSpec, TransferChoice, TransferSpec, parse_size};
 
@@ -27,8 +31,8 @@ pub(super) struct Overrides {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// A transfer-function preset; an unknown name lists them
-    #[arg(long, value_name = "NAME")]
+    /// A preset: transfer function, mode and shading. A name (`vcsg presets` lists them), or 3D Slicer's .vp.json or .vp file
+    #[arg(long, value_name = "NAME|FILE")]
     preset: Option<String>,
     /// Draw the surface of this value, in place of the scene's own; may be repeated. The volume is drawn with it only where a
     /// transfer function (--preset) or a --mode other than composite says how
@@ -70,6 +74,17 @@ pub(super) struct Overrides {
 }
 
 impl Overrides {
+    /// Says what is not taken of a preset's file: once, however many frames are drawn with it.
+    pub fn remark(&self) -> Result<(), CliError> {
+        let named = self.preset.as_deref().map(Path::new);
+        if let Some(file) = named.filter(|path| volume_property::is_volume_property(path)) {
+            for left_out in volume_property::read(file)?.left_out {
+                note(&format!("{}: not taken: {left_out}", file.display()));
+            }
+        }
+        Ok(())
+    }
+
     /// Sets in `scene` what was given.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), CliError> {
         self.apply_transfer(scene)?;
@@ -102,16 +117,19 @@ impl Overrides {
             return Err(CliError::Usage(why.into()));
         }
         if let Some(name) = &self.preset {
-            let preset = presets::named(name).ok_or_else(|| unknown_preset(name))?;
-            scene.transfer = Some(TransferSpec {
-                choice: TransferChoice::Preset(preset),
+            let transfer = TransferSpec {
+                choice: chosen(name)?,
                 ..TransferSpec::AUTOMATIC
-            });
+            };
+            if let Some(look) = transfer.look() {
+                look.apply(&mut scene.settings);
+            }
+            scene.transfer = Some(transfer);
         }
         if let (Some(width), Some(level)) = (self.window, self.level) {
             let transfer = scene.transfer.get_or_insert(TransferSpec::AUTOMATIC);
-            if matches!(transfer.choice, TransferChoice::Points(_)) {
-                let why = "the scene's transfer function has points of its own; give --window with --preset";
+            if matches!(transfer.choice, TransferChoice::Points(_) | TransferChoice::File(_)) {
+                let why = "the transfer function has points of its own; give --window with the name of a --preset";
                 return Err(CliError::Usage(why.into()));
             }
             let half = 0.5 * width;
@@ -121,8 +139,22 @@ impl Overrides {
     }
 }
 
+/// The preset called `name`, or what the file of that name holds.
+fn chosen(name: &str) -> Result<TransferChoice, CliError> {
+    let path = Path::new(name);
+    if !volume_property::is_volume_property(path) {
+        return Ok(TransferChoice::Preset(preset_named(name)?));
+    }
+    Ok(TransferChoice::File(volume_property::read(path)?.property))
+}
+
+/// The preset called `name`.
+pub(super) fn preset_named(name: &str) -> Result<&'static Preset, CliError> {
+    presets::named(name).ok_or_else(|| unknown_preset(name))
+}
+
 fn unknown_preset(name: &str) -> CliError {
-    let line = |p: &presets::Preset| format!("\n  {:<16} {}", p.name(), p.description());
+    let line = |p: &Preset| format!("\n  {:<16} {}", p.name(), p.description());
     let list: String = presets::all().iter().map(line).collect();
     CliError::Usage(format!("unknown preset {name:?}; there are:{list}"))
 }

@@ -71,6 +71,7 @@ impl Render {
     pub fn run(&self) -> Result<(), CliError> {
         // A name that cannot be written is known before the work is done.
         FileFormat::of(&self.output)?;
+        self.overrides.remark()?;
         if let Some(range) = self.frames.frames {
             return self.frames.draw(self, range);
         }

@@ -9,6 +9,10 @@ use super::frames::FrameRange;
 
 const PROGRAM: &str = "ffmpeg";
 
+/// Most players want colours at half resolution, and so even sides. The matrix of the colours is said and written into the file: left to
+/// themselves ffmpeg takes that of standard definition, and players that of high definition where a frame is large.
+const FILTERS: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p";
+
 /// Refuses what cannot become a video before any frame is drawn.
 ///
 /// # Errors
@@ -54,8 +58,15 @@ pub(super) fn make(pattern: &str, range: FrameRange, fps: f64, video: &Path) -> 
         .args(["-y", "-loglevel", "error", "-nostdin", "-framerate", &fps.to_string()])
         .args(["-start_number", &range.first.to_string(), "-i", pattern])
         .args(["-frames:v", &range.len().to_string()])
-        // Most players want colours at half resolution, and so even sides.
-        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
+        .args(["-vf", FILTERS])
+        .args([
+            "-colorspace",
+            "bt709",
+            "-color_primaries",
+            "bt709",
+            "-color_trc",
+            "iec61966-2-1",
+        ])
         .arg(&part)
         .stdout(Stdio::null())
         .status();

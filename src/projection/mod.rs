@@ -18,6 +18,7 @@ mod slices;
 mod table;
 mod template;
 mod visibility;
+pub mod volume_property;
 
 pub use crate::model::{ControlPoint, TransferError, TransferFunction};
 pub use camera::{Camera, Lens, Projection, View};

@@ -30,6 +30,22 @@ impl Mode {
         Self::Additive,
         Self::XRay,
     ];
+
+    /// The modes' names in scenes, presets and on the command line.
+    pub const NAMES: &[(&str, Self)] = &[
+        ("composite", Self::Composite),
+        ("mip", Self::Mip),
+        ("minip", Self::MinIp),
+        ("average", Self::Average),
+        ("additive", Self::Additive),
+        ("xray", Self::XRay),
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        let named = Self::NAMES.iter().find(|(_, mode)| *mode == self);
+        named.map_or("composite", |(name, _)| name)
+    }
 }
 
 /// How a target is drawn, the camera apart.

@@ -1,5 +1,7 @@
 //! How a scene wants to be seen: view, lights, material, mode, transfer function.
 
+use std::path::{Path, PathBuf};
+
 use kdl::KdlDocument;
 
 use super::animation::Animation;
@@ -13,6 +15,7 @@ use super::surface::SurfaceSpec;
 use super::transfer::{TransferChoice, TransferSpec};
 use crate::math::Interval;
 use crate::projection::presets;
+use crate::projection::volume_property;
 use crate::projection::{
     ControlPoint, DepthCue, Light, Material, Mode, Projection, Settings, Shading, TransferFunction, View,
 };
@@ -35,9 +38,12 @@ pub(super) struct Appearance {
 const MANY: [&str; 2] = ["light", "surface"];
 
 impl Appearance {
-    /// Reads the top nodes of a document.
-    pub fn read(document: &KdlDocument, source: &Source) -> Result<Self> {
-        let mut draft = Draft::default();
+    /// Reads the top nodes of a document, whose paths start in `base_dir`.
+    pub fn read(document: &KdlDocument, source: &Source, base_dir: &Path) -> Result<Self> {
+        let mut draft = Draft {
+            base_dir: base_dir.to_owned(),
+            ..Draft::default()
+        };
         let mut seen: Vec<&str> = Vec::new();
         for node in document.nodes() {
             let element = Element::new(node, &[grammar::TOP], source)?;
@@ -73,7 +79,7 @@ impl Appearance {
 /// Whether a `render` node's mode shows colours.
 fn check_mode(render: &Element) -> Result<()> {
     match render.get("mode") {
-        Some(mode) if !mode.one_of(MODES)?.classifies() => {
+        Some(mode) if !mode.one_of(Mode::NAMES)?.classifies() => {
             let why = "this mode shows values, and the scene's samples are colours, by its `classify` nodes";
             Err(mode.error(Problem::Conflict(why)))
         }
@@ -81,19 +87,23 @@ fn check_mode(render: &Element) -> Result<()> {
     }
 }
 
+/// What was read so far. What a file says itself goes before what its preset says.
 #[derive(Default)]
 struct Draft {
+    base_dir: PathBuf,
     appearance: Appearance,
     lights: Vec<Light>,
-    shading: Shading,
-    unshaded: bool,
+    material: Option<Material>,
+    soft_gradient: Option<f64>,
+    mode: Option<Mode>,
+    shaded: Option<bool>,
 }
 
 impl Draft {
     fn read(&mut self, element: &Element, document: &KdlDocument) -> Result<()> {
         match element.name() {
             "scene" => self.appearance.target = TargetOptions::read(element)?,
-            "transfer" => self.appearance.transfer = Some(transfer(element)?),
+            "transfer" => self.appearance.transfer = Some(transfer(element, &self.base_dir)?),
             "surface" => self.appearance.surfaces.push(SurfaceSpec::read(element)?),
             "view" => self.appearance.view = view(element)?,
             "light" => self.add_light(element)?,
@@ -132,53 +142,47 @@ impl Draft {
                 .get(key)
                 .map_or(Ok(default), |v| v.within(0.0, 10.0).map(|n| n as f32))
         };
-        self.shading.material = Material {
+        self.material = Some(Material {
             ambient: factor("ambient", default.ambient)?,
             diffuse: factor("diffuse", default.diffuse)?,
             specular: factor("specular", default.specular)?,
             shininess_log2: element
                 .get("shininess")
                 .map_or(Ok(default.shininess_log2), shininess_log2)?,
-        };
-        if let Some(soft) = element.get("soft-gradient") {
-            self.shading.soft_gradient = soft.positive()?;
-        }
+        });
+        self.soft_gradient = element.get("soft-gradient").map(|v| v.positive()).transpose()?;
         Ok(())
     }
 
     fn render(&mut self, element: &Element) -> Result<()> {
-        let settings = &mut self.appearance.settings;
-        if let Some(mode) = element.get("mode") {
-            settings.mode = mode.one_of(MODES)?;
-        }
-        if let Some(shading) = element.get("shading") {
-            self.unshaded = !shading.boolean()?;
-        }
+        self.mode = element.get("mode").map(|v| v.one_of(Mode::NAMES)).transpose()?;
+        self.shaded = element.get("shading").map(|v| v.boolean()).transpose()?;
         if let Some(samples) = element.get("samples-per-voxel") {
-            settings.samples_per_voxel = samples.within(1.0 / 64.0, 64.0)?;
+            self.appearance.settings.samples_per_voxel = samples.within(1.0 / 64.0, 64.0)?;
         }
         self.appearance.frame_size = element.get("size").map(frame_size).transpose()?;
         Ok(())
     }
 
     fn finish(mut self) -> Appearance {
-        if !self.lights.is_empty() {
-            self.shading.lights = self.lights;
-        }
-        self.appearance.settings.shading = (!self.unshaded).then_some(self.shading);
+        let look = self.appearance.transfer.as_ref().and_then(TransferSpec::look);
+        let default = Settings::default();
+        self.appearance.settings.mode = self.mode.or(look.map(|look| look.mode)).unwrap_or(default.mode);
+        let of_look = look.map_or(Some(Material::default()), |look| look.material);
+        let shaded = self.shaded.unwrap_or(self.material.is_some() || of_look.is_some());
+        let standard = Shading::default();
+        self.appearance.settings.shading = shaded.then(|| Shading {
+            lights: if self.lights.is_empty() {
+                standard.lights
+            } else {
+                self.lights
+            },
+            material: self.material.or(of_look).unwrap_or_default(),
+            soft_gradient: self.soft_gradient.unwrap_or(standard.soft_gradient),
+        });
         self.appearance
     }
 }
-
-/// The names of the modes.
-pub const MODES: &[(&str, Mode)] = &[
-    ("composite", Mode::Composite),
-    ("mip", Mode::Mip),
-    ("minip", Mode::MinIp),
-    ("average", Mode::Average),
-    ("additive", Mode::Additive),
-    ("xray", Mode::XRay),
-];
 
 /// A specular exponent must be a power of two up to 1024.
 fn shininess_log2(value: Value) -> Result<u32> {
@@ -238,27 +242,30 @@ fn projection(element: &Element) -> Result<Projection> {
     }
 }
 
-/// The transfer function that a `transfer` or `classify` node states.
-pub(super) fn transfer(element: &Element) -> Result<TransferSpec> {
+/// The transfer function that a `transfer` or `classify` node states; the path of its file starts in `base_dir`.
+pub(super) fn transfer(element: &Element, base_dir: &Path) -> Result<TransferSpec> {
     let unit_mm = element.get("unit-mm").map(|v| v.positive()).transpose()?;
     let points = control_points(element)?;
     let window = display_window(element)?;
-    let choice = match (element.get("preset"), points.is_empty()) {
-        (Some(_), false) => {
-            let problem = Problem::Conflict("a transfer function has a preset or points of its own, not both");
-            return Err(element.error_of("preset", problem));
-        }
-        (Some(name), true) => TransferChoice::Preset(preset(name)?),
-        (None, true) => TransferChoice::Automatic,
-        (None, false) => {
-            if window.is_some() {
-                let problem = Problem::Conflict("`window` and `level` fit a preset; points state their values");
-                return Err(element.error_of("window", problem));
-            }
+    let choice = match (element.get("preset"), element.get("file"), points.is_empty()) {
+        (Some(name), None, true) => TransferChoice::Preset(preset(name)?),
+        (None, Some(file), true) => TransferChoice::File(property(file, base_dir)?),
+        (None, None, true) => TransferChoice::Automatic,
+        (None, None, false) => {
             let function = TransferFunction::new(points, unit_mm.unwrap_or(1.0));
             TransferChoice::Points(function.map_err(|e| element.error(Problem::Transfer(e)))?)
         }
+        (preset, _, _) => {
+            let problem =
+                Problem::Conflict("a transfer function has a preset, a file or points of its own, one of them");
+            let key = if preset.is_some() { "preset" } else { "file" };
+            return Err(element.error_of(key, problem));
+        }
     };
+    if window.is_some() && matches!(choice, TransferChoice::Points(_) | TransferChoice::File(_)) {
+        let problem = Problem::Conflict("`window` and `level` fit a preset; points and files state their values");
+        return Err(element.error_of("window", problem));
+    }
     Ok(TransferSpec {
         choice,
         window,
@@ -294,6 +301,12 @@ fn display_window(element: &Element) -> Result<Option<Interval>> {
         }
         _ => Err(element.error(Problem::Conflict("`window` and `level` go together"))),
     }
+}
+
+fn property(file: Value, base_dir: &Path) -> Result<volume_property::VolumeProperty> {
+    let reading = volume_property::read(&base_dir.join(file.string()?));
+    let reading = reading.map_err(|e| file.error(Problem::TransferFile(e.to_string())))?;
+    Ok(reading.property)
 }
 
 fn preset(value: Value) -> Result<&'static presets::Preset> {

@@ -190,6 +190,9 @@ pub enum Problem {
         /// The way from the file back to it.
         chain: String,
     },
+    /// A file of a transfer function cannot be read.
+    #[error("{0}")]
+    TransferFile(String),
     /// No preset has this name.
     #[error("unknown preset `{found}`")]
     UnknownPreset {
@@ -264,7 +267,7 @@ impl Problem {
             Self::Arguments { example, .. } => Some(format!("write {example}")),
             Self::Undefined { .. } => Some("put `define \"name\" { … }` above the first `use \"name\"`".into()),
             Self::UnknownPreset { nearest, .. } => Some(format!(
-                "{}the presets are listed in docs/SCENE.md",
+                "{}the presets are listed in docs/PRESETS.md, and by `vcsg presets`",
                 meant(nearest).unwrap_or_default()
             )),
             Self::Mixed { .. } => {

@@ -1,5 +1,7 @@
 //! Values and colours: what a node makes, and what goes together.
 
+use std::path::Path;
+
 use super::appearance;
 use super::element::Element;
 use super::error::{Problem, SceneError};
@@ -64,18 +66,19 @@ fn named(kind: Kind) -> &'static str {
 /// The transfer function of a `classify` node. Nothing is fitted to the data here: what a node is does not depend on the rest of
 /// the scene.
 pub(super) fn transfer_function(element: &Element) -> Result<TransferFunction> {
-    let spec = appearance::transfer(element)?;
-    let preset = match spec.choice {
-        TransferChoice::Points(function) => return Ok(function),
+    let spec = appearance::transfer(element, Path::new(""))?;
+    let preset = match &spec.choice {
+        TransferChoice::Points(function) => return Ok(function.clone()),
+        TransferChoice::File(property) => return Ok(spec.with_unit(&property.function)),
         TransferChoice::Preset(preset) => preset,
         TransferChoice::Automatic => {
             let (node, wanted) = (element.name(), "a `preset`, or at least one `point`");
             return Err(element.error(Problem::TooFewChildren { node, wanted, found: 0 }));
         }
     };
-    let window = match (spec.window, preset.kind()) {
+    let window = match (spec.window, preset.scale()) {
         (Some(window), _) => window,
-        (None, presets::Kind::Ct) => preset.range(),
+        (None, presets::Scale::Absolute) => preset.range(),
         (None, _) => {
             let why = "this preset holds fractions of a window: give `window` and `level` too";
             return Err(element.error_of("preset", Problem::Conflict(why)));

@@ -47,7 +47,7 @@ mod tree;
 use std::path::{Path, PathBuf};
 
 pub use animation::Animation;
-pub use appearance::{MODES, parse_size};
+pub use appearance::parse_size;
 pub use edit::{with_argument, with_property};
 pub use editor::Editor;
 pub use error::{Problem, SceneError};
@@ -191,7 +191,7 @@ impl Scene {
     fn build(source: Source, origin: Origin, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
         let tree = TreeBuilder::new(loader, origin.path.as_deref());
         let document = file::parse(&source)?;
-        let appearance = Appearance::read(&document, &source)?;
+        let appearance = Appearance::read(&document, &source, &origin.base_dir)?;
         let model = tree.build(scene_element(&document, &source)?, &origin.base_dir)?;
         if model.kind_of_root() == Some(Kind::Color) {
             Appearance::check_colors(&document, &source)?;

@@ -2,7 +2,8 @@
 
 use crate::math::Interval;
 use crate::projection::TransferFunction;
-use crate::projection::presets::{self, DataStatistics, Preset};
+use crate::projection::presets::{self, DataStatistics, Look, Preset};
+use crate::projection::volume_property::VolumeProperty;
 
 /// Where control points come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub enum TransferChoice {
     Preset(&'static Preset),
     /// These points.
     Points(TransferFunction),
+    /// What a file says.
+    File(VolumeProperty),
 }
 
 /// A scene's `transfer` node.
@@ -34,15 +37,33 @@ impl TransferSpec {
         unit_mm: None,
     };
 
+    /// The mode and the shading that come with it: those of a preset or a file. The preset that suits the data brings the usual ones.
+    pub fn look(&self) -> Option<Look> {
+        match &self.choice {
+            TransferChoice::Preset(preset) => Some(preset.look()),
+            TransferChoice::File(property) => Some(property.look()),
+            TransferChoice::Automatic | TransferChoice::Points(_) => None,
+        }
+    }
+
     /// The transfer function for data with these statistics in a model whose bounds have this diagonal.
     pub fn function(&self, data: &DataStatistics, diagonal_mm: f64) -> TransferFunction {
         let preset = match &self.choice {
             TransferChoice::Points(function) => return function.clone(),
+            TransferChoice::File(property) => return self.with_unit(&property.function),
             TransferChoice::Preset(preset) => preset,
             TransferChoice::Automatic => presets::suited_to(data),
         };
-        let window = self.window.unwrap_or_else(|| preset.window_for(data));
         let unit_mm = self.unit_mm.unwrap_or_else(|| preset.unit_for(diagonal_mm));
-        preset.transfer_function(window, unit_mm)
+        match self.window {
+            Some(window) => preset.transfer_function(window, unit_mm),
+            None => preset.fitted(data, unit_mm),
+        }
+    }
+
+    /// `function` with opacities that hold for the length that is asked for, if one is.
+    pub(super) fn with_unit(&self, function: &TransferFunction) -> TransferFunction {
+        let unit_mm = self.unit_mm.unwrap_or(function.unit_mm());
+        TransferFunction::new(function.points().to_vec(), unit_mm).unwrap_or_else(|_| function.clone())
     }
 }

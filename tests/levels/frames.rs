@@ -31,14 +31,14 @@ fn on_device<T>(test: impl FnOnce(&mut SliceRenderer) -> T) -> T {
 }
 
 /// How a model is seen.
-struct Look {
+pub struct Look {
     transfer: TransferFunction,
     settings: Settings,
 }
 
 impl Look {
     /// Lit, and opaque within some millimetres.
-    fn of_posts(mode: Mode) -> Self {
+    pub fn of_posts(mode: Mode) -> Self {
         let settings = Settings {
             mode,
             ..Settings::default()
@@ -50,7 +50,7 @@ impl Look {
     }
 
     /// Not lit, and nearly transparent.
-    fn of_fog(mode: Mode) -> Self {
+    pub fn of_fog(mode: Mode) -> Self {
         let settings = Settings {
             mode,
             shading: None,
@@ -72,7 +72,7 @@ fn transfer(points: &[(f32, f32)]) -> TransferFunction {
     TransferFunction::new(points.iter().map(point).collect(), 1.0).expect("a function")
 }
 
-fn subdivision() -> Subdivision {
+pub fn subdivision() -> Subdivision {
     Subdivision {
         min_block: 8,
         ..Subdivision::default()
@@ -80,7 +80,7 @@ fn subdivision() -> Subdivision {
 }
 
 /// A frame of `count` levels of `model`.
-fn draw(model: &Model, camera: &Camera, count: u32, look: &Look) -> LevelsFrame {
+pub fn draw(model: &Model, camera: &Camera, count: u32, look: &Look) -> LevelsFrame {
     let levels = Levels::new(model, Some(1.0), count).expect("levels");
     let spec = LevelsSpec {
         levels: &levels,
@@ -93,7 +93,7 @@ fn draw(model: &Model, camera: &Camera, count: u32, look: &Look) -> LevelsFrame 
 }
 
 /// A frame of one target.
-fn draw_one(model: &Model, camera: &Camera, look: &Look) -> Frame {
+pub fn draw_one(model: &Model, camera: &Camera, look: &Look) -> Frame {
     let target = Target::build(model, Some(1.0), &subdivision()).expect("a target");
     let spec = FrameSpec {
         target: &target,
@@ -146,7 +146,7 @@ fn part(alone: &Levels, zone: &Zone, camera: &Camera) -> Option<Target> {
         .expect("a target")
 }
 
-fn largest_change(a: &Frame, b: &Frame) -> f32 {
+pub fn largest_change(a: &Frame, b: &Frame) -> f32 {
     let pixels = a.pixels().iter().zip(b.pixels());
     pixels
         .flat_map(|(a, b)| (0..4).map(move |c| (a[c] - b[c]).abs()))
@@ -185,10 +185,10 @@ fn one_level_is_the_target_alone() {
 }
 
 /// How deep the fog is before the eye, millimetres.
-const FOG_MM: f64 = 150.0;
+pub const FOG_MM: f64 = 150.0;
 
 /// Its opacity a millimetre.
-const FOG_OPACITY: f32 = 5e-4;
+pub const FOG_OPACITY: f32 = 5e-4;
 
 /// Fog of value 1 round the eye, and of value 2 in its far half.
 fn fog() -> Model {

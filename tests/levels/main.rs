@@ -4,4 +4,5 @@ mod blend;
 mod frames;
 mod parts;
 mod row;
+mod trees;
 mod zones;

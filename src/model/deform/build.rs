@@ -9,6 +9,7 @@
 //! spline. Each cell's search for its preimage starts from its parent's; corners that cells of one root share are sought once.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
@@ -28,8 +29,42 @@ struct Vertex {
     at: DVec3,
     /// The inverse there, if it is found.
     start: Option<Start>,
-    /// How the inverse bends there, in voxels; infinite if it is not found.
-    bends: DVec3,
+    /// How the inverse bends there, in voxels, once that is asked for; infinite if it is not found.
+    bends: Option<DVec3>,
+}
+
+impl Vertex {
+    fn bends(&mut self, frame: &Frame) -> DVec3 {
+        let bends = || self.start.as_ref().map_or(DVec3::INFINITY, |start| frame.bends(start));
+        *self.bends.get_or_insert_with(bends)
+    }
+}
+
+/// Hashes places. Nobody chooses them to collide, so they need no more than a product a coordinate; the standard hash of eight corners
+/// takes as long as a cell's sums over thirty landmarks.
+#[derive(Default)]
+struct Mixer(u64);
+
+impl Hasher for Mixer {
+    fn write(&mut self, bytes: &[u8]) {
+        let (words, rest) = bytes.as_chunks();
+        words.iter().for_each(|word| self.write_u64(u64::from_ne_bytes(*word)));
+        rest.iter().for_each(|byte| self.write_u64((*byte).into()));
+    }
+
+    fn write_u64(&mut self, n: u64) {
+        self.0 = (self.0.rotate_left(23) ^ n).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    /// A product's high bits depend on all of its factor, its low ones on few.
+    fn finish(&self) -> u64 {
+        self.0.rotate_left(32)
+    }
+}
+
+/// A corner of a cell; bit a of its number is the upper one along axis a.
+fn corner_at(origin: [i64; 3], edge: i64, corner: usize) -> [i64; 3] {
+    [0, 1, 2].map(|a| origin[a] + if corner >> a & 1 == 1 { edge } else { 0 })
 }
 
 /// One root cell's part of the table.
@@ -39,7 +74,7 @@ struct Grower<'a> {
     layout: &'a Layout,
     /// Cells of all roots so far.
     count: &'a AtomicUsize,
-    vertices: HashMap<[i64; 3], Vertex>,
+    vertices: HashMap<[i64; 3], Vertex, BuildHasherDefault<Mixer>>,
     branches: Vec<Branch>,
     cells: Vec<Cell>,
     report: WarpReport,
@@ -118,7 +153,7 @@ fn grow_root(frame: &Frame, source: &Aabb, layout: &Layout, n: usize, count: &At
         source,
         layout,
         count,
-        vertices: HashMap::new(),
+        vertices: HashMap::default(),
         branches: Vec::new(),
         cells: Vec::new(),
         report: WarpReport::default(),
@@ -139,26 +174,26 @@ impl Grower<'_> {
         if self.count.load(Ordering::Relaxed) > Table::MAX_CELLS {
             return Ok(Node::Empty);
         }
-        let middle = self
-            .layout
-            .place(DVec3::from(origin.map(|x| x as f64)) + 0.5 * edge as f64);
-        let found = self.seek(middle, parent);
         if edge == 1 {
-            return self.smallest(origin, found, parent);
+            return self.smallest(origin, parent);
         }
-        let Ok(found) = found else {
+        let Ok(found) = self.seek(self.middle(origin, edge), parent) else {
             return self.split(origin, edge, None);
         };
         let size = edge as f64 * self.layout.step;
         let allowed = self.frame.error_voxels;
-        let at_landmarks = self.frame.error_at_landmarks(&found, size);
+        let local = self.frame.about(&found, size);
+        let at_landmarks = self.frame.error_at_landmarks(&local, size);
         if at_landmarks > allowed || self.frame.is_coarse(&found, size) {
             return self.split(origin, edge, Some(&found));
         }
         let vertices = self.corners(origin, edge, Some(&found));
-        let bends = vertices
-            .iter()
-            .fold(self.frame.bends(&found), |most, v| most.max(v.bends));
+        // Where no landmark is near, the second derivatives about the middle are known already.
+        let in_middle = match local.kinks == 0.0 {
+            true => self.frame.bends_as(&found, &local),
+            false => self.frame.bends(&found),
+        };
+        let bends = self.bends(origin, edge, in_middle);
         let bent = MARGIN / 8.0 * size * size * bends.element_sum();
         let is_bent = bent.is_nan() || bent > allowed;
         if bends == DVec3::INFINITY || is_bent && at_landmarks == 0.0 {
@@ -172,13 +207,24 @@ impl Grower<'_> {
         Ok(self.push(&vertices, &found))
     }
 
-    /// A cell of one voxel. Corners that nothing is found to come to are beyond what is deformed, and go on as the cell does.
-    fn smallest(
-        &mut self,
-        origin: [i64; 3],
-        middle: Result<Start, DVec3>,
-        parent: Option<&Start>,
-    ) -> Result<Node, WarpError> {
+    /// The middle of a cell.
+    fn middle(&self, origin: [i64; 3], edge: i64) -> DVec3 {
+        let origin = DVec3::from(origin.map(|x| x as f64));
+        self.layout.place(origin + 0.5 * edge as f64)
+    }
+
+    /// A cell of one voxel, of which only the corners matter. Those that nothing is found to come to are beyond what is deformed, and go
+    /// on as the cell does in its middle.
+    fn smallest(&mut self, origin: [i64; 3], parent: Option<&Start>) -> Result<Node, WarpError> {
+        if parent.is_some() {
+            let vertices = self.corners(origin, 1, parent);
+            if let [Some(known), ..] = vertices.map(|v| v.start)
+                && vertices.iter().all(|v| v.start.is_some())
+            {
+                return Ok(self.push(&vertices, &known));
+            }
+        }
+        let middle = self.seek(self.middle(origin, 1), parent);
         let vertices = self.corners(origin, 1, middle.as_ref().ok().or(parent));
         let known = middle.ok().or(vertices.iter().find_map(|v| v.start));
         match (known, middle) {
@@ -210,7 +256,7 @@ impl Grower<'_> {
     /// The corners of a cell, each sought once.
     fn corners(&mut self, origin: [i64; 3], edge: i64, near: Option<&Start>) -> [Vertex; 8] {
         std::array::from_fn(|corner| {
-            let at = [0, 1, 2].map(|a| origin[a] + if corner >> a & 1 == 1 { edge } else { 0 });
+            let at = corner_at(origin, edge, corner);
             match self.vertices.get(&at) {
                 Some(known) => *known,
                 None => {
@@ -224,9 +270,19 @@ impl Grower<'_> {
 
     fn vertex(&self, at: [i64; 3], near: Option<&Start>) -> Vertex {
         let at = self.layout.place(DVec3::from(at.map(|x| x as f64)));
-        let start = self.seek(at, near).ok();
-        let bends = start.as_ref().map_or(DVec3::INFINITY, |start| self.frame.bends(start));
-        Vertex { at, start, bends }
+        Vertex {
+            at,
+            start: self.seek(at, near).ok(),
+            bends: None,
+        }
+    }
+
+    /// The most that the inverse bends at a cell's corners, which have been sought, and `in_middle`.
+    fn bends(&mut self, origin: [i64; 3], edge: i64, in_middle: DVec3) -> DVec3 {
+        (0..8).fold(in_middle, |most, corner| {
+            let vertex = self.vertices.get_mut(&corner_at(origin, edge, corner));
+            vertex.map_or(most, |vertex| most.max(vertex.bends(self.frame)))
+        })
     }
 
     fn split(&mut self, origin: [i64; 3], edge: i64, middle: Option<&Start>) -> Result<Node, WarpError> {

@@ -168,7 +168,11 @@ impl Frame {
     /// How φ⁻¹ = g bends at `start`: for each axis of the frame its second derivative along it, in voxels. D²g(u, u) is
     /// −J⁻¹ D²φ(J⁻¹u, J⁻¹u).
     pub(super) fn bends(&self, start: &Start) -> DVec3 {
-        let local = Local::new(&self.morph.spline, start.preimage.at, 0.0, 0.0);
+        self.bends_as(start, &Local::new(&self.morph.spline, start.preimage.at, 0.0, 0.0))
+    }
+
+    /// [`Self::bends`] by what is known about `start` already: `local`, with no landmark near.
+    pub(super) fn bends_as(&self, start: &Start, local: &Local) -> DVec3 {
         let inverse = start.preimage.jacobian.inverse();
         let bends = self.edges(1.0).map(|u| self.voxels(inverse * local.bend(inverse * u)));
         DVec3::from(bends)
@@ -183,21 +187,24 @@ impl Frame {
         edges.iter().any(|u| u.length() > felt / 8.0)
     }
 
-    /// What interpolation near a thin plate's landmark errs by, at most and in voxels, in the cell of `size` about `start`;
-    /// 0 where no landmark is near to it.
+    /// The spline in the cell of `size` about `start`.
+    pub(super) fn about(&self, start: &Start, size: f64) -> Local {
+        let radius = 1.3 * norm(&start.preimage.jacobian.inverse()) * half_diagonal(&self.edges(size));
+        Local::new(&self.morph.spline, start.preimage.at, radius, 1.5 * radius)
+    }
+
+    /// What interpolation near a thin plate's landmark errs by, at most and in voxels, in the cell of `size` that the spline is
+    /// `local` in; 0 where no landmark is near to it.
     ///
     /// There g has no second derivative. With S the smooth part's Jacobian, S g = P − w r(g) − …, and r(g) changes by at most
     /// the norm K of J⁻¹ a millimetre. Interpolation of what changes by c a millimetre errs by c times the half diagonal. What the
     /// smooth part bends comes on top.
-    pub(super) fn error_at_landmarks(&self, start: &Start, size: f64) -> f64 {
-        let edges = self.edges(size);
-        let half_diagonal = half_diagonal(&edges);
-        let spline = &self.morph.spline;
-        let radius = 1.3 * norm(&start.preimage.jacobian.inverse()) * half_diagonal;
-        let local = Local::new(spline, start.preimage.at, radius, 1.5 * radius);
+    pub(super) fn error_at_landmarks(&self, local: &Local, size: f64) -> f64 {
         if local.kinks == 0.0 {
             return 0.0;
         }
+        let edges = self.edges(size);
+        let half_diagonal = half_diagonal(&edges);
         let inverse = local.jacobian.inverse();
         let norm_inverse = norm(&inverse);
         let left = 1.0 - norm_inverse * local.kinks;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Modes;
 use crate::math::Interval;
 use crate::target::{Block, RowEvaluator, Target};
 
@@ -16,6 +17,8 @@ pub struct DataStatistics {
     pub low: f32,
     /// The value at [`DataStatistics::HIGH`].
     pub high: f32,
+    /// Where values pile up, if they do about two tissues and a background.
+    pub found_modes: Option<Modes>,
 }
 
 impl DataStatistics {
@@ -31,11 +34,15 @@ impl DataStatistics {
         values.sort_unstable_by(f32::total_cmp);
         let last = values.len().checked_sub(1)?;
         let at = |fraction: f64| values[(fraction * last as f64).round() as usize];
+        let (min, high) = (values[0], at(Self::HIGH));
         Some(Self {
-            min: values[0],
+            min,
             max: values[last],
             low: at(Self::LOW),
-            high: at(Self::HIGH),
+            high,
+            found_modes: (min < high)
+                .then(|| Modes::of(&values, Interval::new(min, high)))
+                .flatten(),
         })
     }
 
@@ -64,6 +71,16 @@ impl DataStatistics {
         } else {
             Interval::new(self.min - 0.5, self.min + 0.5)
         }
+    }
+
+    /// Where values pile up. Where they do not about two tissues, what T1-weighted heads have on average: parts of the window.
+    pub fn modes(&self) -> Modes {
+        let window = self.window();
+        let at = |part: f32| window.lo + part * window.width();
+        self.found_modes.unwrap_or(Modes {
+            background: window.lo,
+            tissues: [at(0.45), at(0.65)],
+        })
     }
 
     /// Whether values look like Hounsfield units: air near −1000 and something denser than any soft tissue.
@@ -113,6 +130,7 @@ mod tests {
             max: 9.0,
             low: 0.0,
             high: 0.0,
+            found_modes: None,
         };
         assert_eq!(sparse.window(), Interval::new(0.0, 9.0));
         let flat = DataStatistics {
@@ -120,6 +138,7 @@ mod tests {
             max: 4.0,
             low: 4.0,
             high: 4.0,
+            found_modes: None,
         };
         assert_eq!(flat.window(), Interval::new(3.5, 4.5));
     }
