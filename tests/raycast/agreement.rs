@@ -65,7 +65,7 @@ fn deviations(spec: &FrameSpec) -> [f64; 2] {
     let bounds = FrameBounds::new(spec, &drawing(spec));
     let cast = RayCaster.project(spec).expect("a frame");
     let reference = Reference.project(spec).expect("a frame");
-    assert_eq!(bounds.pixels_outside(&reference), 0, "the reference itself is out of bounds");
+    assert_eq!(bounds.pixels_outside(&reference), 0, "the reference itself: {}", worst(&bounds, &reference, &cast));
     assert_eq!(bounds.pixels_outside(&cast), 0, "{}", worst(&bounds, &cast, &reference));
     let worst = bounds.deviations(&cast).into_iter().fold(0.0, f64::max);
     let channels = |frame: &Frame| frame.pixels().as_flattened().to_vec();
