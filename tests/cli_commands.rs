@@ -292,6 +292,10 @@ const MISTAKES: &[(&[&str], &str)] = &[
         ],
         "--renderer slices",
     ),
+    (
+        &["render", "scene.kdl", "-o", "a.png", "--surface", "50", "--renderer", "raycast"],
+        "--renderer slices",
+    ),
     (&["render", "open.kdl", "-o", "a.png", "--renderer", "reference"], ""),
     (&["bake", "scene.kdl", "-o", "a.vtk"], ".nrrd"),
     (&["bake", "scene.kdl", "-o", "none/a.nrrd"], "none/a.nrrd"),
@@ -319,18 +323,41 @@ fn every_mistake_has_one_clear_message() {
 #[test]
 fn without_a_driver_the_message_says_what_to_install() {
     let folder = folder();
-    for subcommand in [&["devices"][..], &["render", "scene.kdl", "-o", "a.png"]] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_vcsg"));
-        command.current_dir(folder.path()).args(subcommand);
-        command
-            .env("VK_DRIVER_FILES", "/nonexistent")
-            .env("VK_ICD_FILENAMES", "/nonexistent");
-        let output = command.output().unwrap();
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert!(!output.status.success(), "{message}");
+    let slices = ["render", "scene.kdl", "-o", "a.png", "--renderer", "slices"];
+    let device = ["render", "scene.kdl", "-o", "a.png", "--device", "0"];
+    for subcommand in [&["devices"][..], &slices, &device] {
+        let (succeeded, message) = without_a_driver(folder.path(), subcommand);
+        assert!(!succeeded, "{message}");
         assert!(message.contains("mesa-vulkan-drivers"), "{message}");
     }
     assert!(!folder.path().join("a.png").exists());
+}
+
+#[test]
+fn without_a_driver_rays_are_cast_on_the_processor() {
+    let folder = folder();
+    let draw = |name: &str, renderer: &[&str]| {
+        let arguments = [&["render", "scene.kdl", "--size", "40x30", "-o", name][..], renderer].concat();
+        let (succeeded, message) = without_a_driver(folder.path(), &arguments);
+        assert!(succeeded, "{message}");
+        (fs::read(folder.path().join(name)).unwrap(), message)
+    };
+    let (fallen_back, message) = draw("a.png", &[]);
+    assert!(message.contains("mesa-vulkan-drivers") && message.contains("on the processor"), "{message}");
+    let (asked_for, message) = draw("b.png", &["--renderer", "raycast"]);
+    assert_eq!(message, "");
+    assert_eq!(fallen_back, asked_for);
+}
+
+/// Runs the program where Vulkan has no driver: whether it succeeded, and what it said on stderr.
+fn without_a_driver(folder: &Path, arguments: &[&str]) -> (bool, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vcsg"));
+    command.current_dir(folder).args(arguments);
+    command
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env("VK_ICD_FILENAMES", "/nonexistent");
+    let output = command.output().unwrap();
+    (output.status.success(), String::from_utf8(output.stderr).unwrap())
 }
 
 #[test]

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use super::CliError;
-use super::console::{Stages, progress};
+use super::console::{Stages, note, progress};
 use super::surfaces::{DeviceSurfaces, Surface};
-use crate::gpu::{Device, DeviceSelector, Instance, Validation};
+use crate::gpu::{Device, DeviceSelector, GpuError, Instance, Validation};
 use crate::image::Frame;
 use crate::math::Aabb;
 use crate::projection::presets::DataStatistics;
+use crate::projection::raycast::{self, CastTarget};
 use crate::projection::{Camera, FrameSpec, Projector, Reference, Settings, TransferFunction};
 use crate::render::{LevelsFrame, LevelsSpec, PagedTarget, SliceRenderer, soft_normals};
 use crate::scene::{Scene, TransferSpec};
@@ -18,6 +19,8 @@ use crate::target::Target;
 pub(super) enum Renderer {
     /// 3D-texture slices on a Vulkan device.
     Slices(SliceRenderer),
+    /// Rays on the processor.
+    RayCaster,
     /// The slow reference on the processor.
     Reference,
 }
@@ -30,33 +33,45 @@ impl Renderer {
         Ok(Self::Slices(SliceRenderer::new(&device)?))
     }
 
+    /// Slices `on_device`, or rays on the processor if there is no device, which is said.
+    pub fn or_ray_caster(on_device: Result<Self, CliError>) -> Result<Self, CliError> {
+        match on_device {
+            Err(CliError::Gpu(missing @ (GpuError::NoLoader(_) | GpuError::OldLoader(_) | GpuError::NoDevice))) => {
+                note(&format!("{missing}; rays are cast on the processor instead"));
+                Ok(Self::RayCaster)
+            }
+            result => result,
+        }
+    }
+
     /// The device's name, where there is one.
     pub fn device_name(&self) -> Option<&str> {
         match self {
             Self::Slices(renderer) => Some(&renderer.device().info().name),
-            Self::Reference => None,
+            Self::RayCaster | Self::Reference => None,
         }
     }
 
     /// Draws `spec`, and `surfaces` in it.
     ///
     /// # Errors
-    /// If the device fails, its validation layer has a message, or the reference is to draw surfaces.
+    /// If the device fails, its validation layer has a message, or surfaces are to be drawn on the processor.
     pub fn draw(&mut self, spec: &FrameSpec, surfaces: &[Surface], stages: &mut Stages) -> Result<Frame, CliError> {
         match self {
             Self::Slices(renderer) => draw_slices(renderer, spec, surfaces, stages),
-            Self::Reference if surfaces.is_empty() => Ok(stages.time("reference", || Reference.project(spec))?),
-            Self::Reference => Err(no_surfaces()),
+            _ if !surfaces.is_empty() => Err(no_surfaces()),
+            Self::RayCaster => cast_rays(spec, stages),
+            Self::Reference => Ok(stages.time("reference", || Reference.project(spec))?),
         }
     }
 
     /// Draws a frame of several levels.
     ///
     /// # Errors
-    /// As [`Self::draw`]; the reference knows one level.
+    /// As [`Self::draw`]; on the processor there is one level.
     pub fn draw_levels(&mut self, spec: &LevelsSpec) -> Result<LevelsFrame, CliError> {
         let Self::Slices(renderer) = self else {
-            let why = "the reference draws one level: set `levels` to 1, or take --renderer slices";
+            let why = "on the processor there is one level: set `levels` to 1, or take --renderer slices";
             return Err(CliError::Usage(why.into()));
         };
         let device = Arc::clone(renderer.device());
@@ -85,9 +100,14 @@ impl Renderer {
     }
 }
 
-/// The reference casts a ray at each triangle: for pictures of tests.
+/// Surfaces are drawn on a device alone.
 pub(super) fn no_surfaces() -> CliError {
-    CliError::Usage("the reference draws no surfaces: take --renderer slices".into())
+    CliError::Usage("surfaces are drawn on a Vulkan device only: take --renderer slices, or leave them out".into())
+}
+
+fn cast_rays(spec: &FrameSpec, stages: &mut Stages) -> Result<Frame, CliError> {
+    let target = stages.time("reconstruct", || CastTarget::of(spec));
+    Ok(stages.time("cast", || raycast::draw(spec, &target, None))?)
 }
 
 fn draw_slices(

@@ -27,6 +27,7 @@ use crate::target::Target;
   vcsg render ct.nrrd -o bone.png --preset ct-bone --background transparent
   vcsg render head.nii.gz -o skin.png --surface 60
   vcsg render mra.nii.gz -o mip.exr --mode mip --perspective 30
+  vcsg render scene.kdl -o cast.png --renderer raycast
   vcsg render scene.kdl -o truth.png --renderer reference --size 320x240
   vcsg render scene.kdl -o frame-%04d.png --frames 0..119 --video scene.mp4")]
 pub(super) struct Render {
@@ -38,9 +39,10 @@ pub(super) struct Render {
     pub output: PathBuf,
     #[command(flatten)]
     frames: FrameArgs,
-    /// What draws: slices on a Vulkan device, or the slow reference on the processor
-    #[arg(long, default_value = "slices")]
-    renderer: RendererName,
+    /// What draws: slices on a Vulkan device, rays cast on the processor, or the slow reference there; slices unless there is no
+    /// device
+    #[arg(long)]
+    renderer: Option<RendererName>,
     /// The Vulkan device: an index, part of a name, or uuid:…; `vcsg devices` lists them
     #[arg(long, value_name = "DEVICE", default_value = "default")]
     device: DeviceSelector,
@@ -60,6 +62,7 @@ pub(super) struct Render {
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum RendererName {
     Slices,
+    Raycast,
     Reference,
 }
 
@@ -106,10 +109,13 @@ impl Render {
         } else {
             Validation::Off
         };
+        let on_device = || Renderer::on_device(&self.device, validation);
         match self.renderer {
-            RendererName::Slices => Renderer::on_device(&self.device, validation),
-            RendererName::Reference if scene.surfaces.is_empty() => Ok(Renderer::Reference),
-            RendererName::Reference => Err(no_surfaces()),
+            None if self.device == DeviceSelector::default() => Renderer::or_ray_caster(on_device()),
+            None | Some(RendererName::Slices) => on_device(),
+            Some(_) if !scene.surfaces.is_empty() => Err(no_surfaces()),
+            Some(RendererName::Raycast) => Ok(Renderer::RayCaster),
+            Some(RendererName::Reference) => Ok(Renderer::Reference),
         }
     }
 

@@ -11,6 +11,7 @@ mod light;
 mod planes;
 pub mod presets;
 mod projector;
+pub mod raycast;
 pub mod reference;
 mod settings;
 mod shade;

@@ -50,7 +50,8 @@ pub fn lengthened([r, g, b, a]: [f64; 4], length: f64) -> [f64; 4] {
     if length == 1.0 || a <= 0.0 {
         return [r, g, b, a];
     }
-    let longer = 1.0 - (1.0 - a).powf(length);
+    // An opacity that rounding has brought above 1 is 1.
+    let longer = 1.0 - (1.0 - a).max(0.0).powf(length);
     let scale = longer / a;
     [r * scale, g * scale, b * scale, longer]
 }

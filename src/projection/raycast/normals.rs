@@ -1,0 +1,66 @@
+//! Soft normals of a block's voxels by central differences. A voxel beyond the lattice has the normal of the nearest one in it.
+
+use glam::{Mat3, Vec3};
+
+use crate::projection::{EMPTY_BELOW, SoftNormals};
+use crate::target::{Block, BlockVoxels, Target};
+
+/// The normals of the stored voxels of a block, which was reconstructed with [`Block::REACH`] voxels of apron; `scales` make
+/// value times coverage and coverage a fraction of the value range.
+pub fn voxel_normals(
+    soft: &SoftNormals,
+    target: &Target,
+    block: &Block,
+    voxels: &BlockVoxels,
+    scales: [f32; 2],
+) -> Vec<[f32; 4]> {
+    let differences = Differences {
+        matrix: soft.matrix().as_mat3(),
+        heights: heights(voxels, scales),
+        dims: voxels.dims,
+    };
+    let dims = block.stored_dims();
+    let skip = voxels.apron - Block::APRON;
+    // The reconstructed voxel with the normal of the nth stored one of an axis.
+    let nearest = |axis: usize, n: usize| {
+        let beyond = block.origin[axis] + n;
+        let inside = beyond.clamp(Block::APRON, target.lattice.dims[axis] - 1 + Block::APRON);
+        inside - block.origin[axis] + skip
+    };
+    let mut normals = Vec::with_capacity(dims.iter().product());
+    for row in 0..dims[1] * dims[2] {
+        let [j, k] = [nearest(1, row % dims[1]), nearest(2, row / dims[1])];
+        normals.extend((0..dims[0]).map(|i| differences.normal([nearest(0, i), j, k])));
+    }
+    normals
+}
+
+/// What normals are made of: see [`SoftNormals`].
+fn heights(voxels: &BlockVoxels, [scale, offset]: [f32; 2]) -> Vec<f32> {
+    let offset = offset + EMPTY_BELOW;
+    let values = voxels.premultiplied.iter();
+    match &voxels.coverage {
+        None => values.map(|v| scale * v + offset).collect(),
+        Some(coverage) => {
+            let pairs = values.zip(coverage.iter());
+            pairs.map(|(v, c)| scale * v + offset * c).collect()
+        }
+    }
+}
+
+struct Differences {
+    matrix: Mat3,
+    heights: Vec<f32>,
+    dims: [usize; 3],
+}
+
+impl Differences {
+    fn normal(&self, [i, j, k]: [usize; 3]) -> [f32; 4] {
+        let [nx, ny, _] = self.dims;
+        let at = i + nx * (j + ny * k);
+        let half = |stride: usize| 0.5 * (self.heights[at + stride] - self.heights[at - stride]);
+        let g = self.matrix * Vec3::new(half(1), half(nx), half(nx * ny));
+        let m = g / (1.0 + g.length_squared()).sqrt();
+        [m.x, m.y, m.z, 0.0]
+    }
+}

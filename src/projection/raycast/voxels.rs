@@ -1,0 +1,125 @@
+//! Blocks as rays sample them.
+//!
+//! *Practice.* Values are fractions of the target's value range times coverage, so nothing is scaled in a frame. Soft normals are made
+//! once, for all frames with one [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of
+//! which many more are read.
+
+use rayon::prelude::*;
+
+use super::normals::voxel_normals;
+use crate::projection::{FrameSpec, SoftNormals};
+use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
+
+/// A target ready to be cast.
+pub struct CastTarget {
+    pub(super) blocks: Vec<CastBlock>,
+    /// The cells of each block.
+    pub(super) cells: Vec<CellRanges>,
+}
+
+/// The voxels of a block and of one more on each side, x fastest.
+pub(super) struct CastBlock {
+    /// The lattice's voxel that is stored first.
+    pub first: [i32; 3],
+    /// How far apart stored neighbours are along each axis; 0 in a block of one value.
+    pub strides: [i32; 3],
+    /// Fraction of the value range, or opacity, times coverage.
+    pub weighted: Vec<f32>,
+    /// Coverage; empty where it is 1 throughout.
+    pub coverage: Vec<f32>,
+    /// Red, green and blue times opacity and coverage in a target of colours, else empty.
+    pub rgb: Vec<[f32; 4]>,
+    /// Soft normals in the world, empty if the target is not lit.
+    pub normals: Vec<[f32; 4]>,
+}
+
+impl CastTarget {
+    /// Reconstructs the blocks of `target`, with normals if `normals` says how.
+    pub fn new(target: &Target, normals: Option<&SoftNormals>) -> Self {
+        let blocks = target.blocks.par_iter().map(|block| prepare(target, block, normals));
+        let (blocks, cells) = blocks.unzip();
+        Self { blocks, cells }
+    }
+
+    /// The target of `spec`, as its frame needs it.
+    pub fn of(spec: &FrameSpec) -> Self {
+        let normals = spec.shading().map(|s| SoftNormals::new(&spec.target.lattice, s.soft_gradient));
+        Self::new(spec.target, normals.as_ref())
+    }
+}
+
+/// The scales of value times coverage and of coverage that sum up to the fraction of the value range times coverage.
+fn fraction_scales(target: &Target) -> [f32; 2] {
+    let range = target.value_range;
+    if range.width() > 0.0 {
+        [1.0 / range.width(), -range.lo / range.width()]
+    } else {
+        [0.0, 0.0]
+    }
+}
+
+fn prepare(target: &Target, block: &Block, normals: Option<&SoftNormals>) -> (CastBlock, CellRanges) {
+    let scales = fraction_scales(target);
+    if block.layout == Layout::Uniform {
+        let value = scales[0] * block.range.value.lo + scales[1];
+        return (CastBlock::uniform(value, normals.is_some()), CellRanges::uniform(block));
+    }
+    let apron = if normals.is_some() { Block::REACH } else { Block::APRON };
+    let voxels = BlockVoxels::reconstruct(target, block, apron);
+    let cells = CellRanges::new(block, &voxels);
+    (CastBlock::new(target, block, &voxels, normals), cells)
+}
+
+impl CastBlock {
+    /// The two voxels that any place in a block of one value is between.
+    fn uniform(value: f32, lit: bool) -> Self {
+        Self {
+            first: [0; 3],
+            strides: [0; 3],
+            weighted: vec![value; 2],
+            coverage: Vec::new(),
+            rgb: Vec::new(),
+            normals: vec![[0.0; 4]; if lit { 2 } else { 0 }],
+        }
+    }
+
+    fn new(target: &Target, block: &Block, voxels: &BlockVoxels, normals: Option<&SoftNormals>) -> Self {
+        let [scale, offset] = fraction_scales(target);
+        let stored = Stored { block, voxels };
+        let dims = block.stored_dims();
+        let weighted = match &voxels.coverage {
+            None => stored.map(|n| scale * voxels.premultiplied[n] + offset),
+            Some(c) => stored.map(|n| scale * voxels.premultiplied[n] + offset * c[n]),
+        };
+        let colour = |[r, g, b]: [f32; 3]| [r, g, b, 0.0];
+        Self {
+            first: block.origin.map(|n| n as i32 - Block::APRON as i32),
+            strides: [1, dims[0] as i32, (dims[0] * dims[1]) as i32],
+            weighted,
+            coverage: voxels.coverage.as_ref().map_or_else(Vec::new, |c| stored.map(|n| c[n])),
+            rgb: voxels.rgb().map_or_else(Vec::new, |rgb| stored.map(|n| colour(rgb[n]))),
+            normals: normals.map_or_else(Vec::new, |soft| voxel_normals(soft, target, block, voxels, [scale, offset])),
+        }
+    }
+}
+
+/// The voxels of a block that are stored: those of its apron are, what only normals need is not.
+struct Stored<'a> {
+    block: &'a Block,
+    voxels: &'a BlockVoxels,
+}
+
+impl Stored<'_> {
+    /// What `f` makes of each of them, given its place among the reconstructed ones.
+    fn map<T>(&self, f: impl Fn(usize) -> T) -> Vec<T> {
+        let skip = self.voxels.apron - Block::APRON;
+        let [nx, ny, nz] = self.block.stored_dims();
+        let dims = self.voxels.dims;
+        let mut stored = Vec::with_capacity(nx * ny * nz);
+        for row in 0..ny * nz {
+            let begin = skip + dims[0] * (row % ny + skip + dims[1] * (row / ny + skip));
+            stored.extend((begin..begin + nx).map(&f));
+        }
+        stored
+    }
+}

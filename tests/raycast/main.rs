@@ -1,0 +1,13 @@
+//! The ray caster: the slices' samples, within bounds derived from single precision (design law 3); the same bits for any
+//! subdivision in blocks (law 2) and any number of threads; defined results at the edges.
+
+mod agreement;
+mod blocks;
+mod edges;
+mod picture;
+#[path = "../agreement_devices/random.rs"]
+mod random;
+#[path = "../agreement_devices/scene.rs"]
+mod scene;
+#[path = "../support/mod.rs"]
+mod support;
