@@ -1,5 +1,6 @@
 //! Volume files: one module a format.
 
+mod components;
 mod error;
 mod format;
 mod geometry;
@@ -11,6 +12,8 @@ mod nrrd_write;
 mod open;
 mod payload;
 pub mod raw;
+mod scalars;
+mod vtk;
 
 use std::path::Path;
 

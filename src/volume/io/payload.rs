@@ -84,7 +84,7 @@ macro_rules! voxels {
     };
     (@ $stored:expr, $T:ident, $body:expr, $($tag:ident $scalar:ident),*) => {
         match $stored {
-            $(Stored::Voxel(VoxelType::$tag) => {
+            $(Stored::Voxel($crate::volume::VoxelType::$tag) => {
                 type $T = $scalar;
                 Voxels::$tag($body)
             })*
@@ -99,6 +99,8 @@ macro_rules! voxels {
         }
     };
 }
+
+pub(super) use voxels;
 
 impl Payload<'_> {
     /// Bytes of the decoded payload.
