@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::error::ReadError;
 use super::open::{Opened, ReadOptions};
 use super::write::Writer;
-use super::{metaimage, nifti, nrrd, raw};
+use super::{metaimage, nifti, nrrd, raw, vtk};
 
 /// A format of volume files.
 pub struct Format {
@@ -26,7 +26,14 @@ pub struct Format {
 }
 
 /// All formats; the first that recognises a file reads it.
-pub const FORMATS: [&Format; 4] = [&nrrd::FORMAT, &nifti::FORMAT, &metaimage::FORMAT, &raw::FORMAT];
+pub const FORMATS: [&Format; 6] = [
+    &nrrd::FORMAT,
+    &nifti::FORMAT,
+    &metaimage::FORMAT,
+    &vtk::XML,
+    &vtk::LEGACY,
+    &raw::FORMAT,
+];
 
 /// What tells a file's format.
 pub(super) struct Probe {

@@ -23,10 +23,12 @@ mod nrrd_write;
 mod open;
 mod payload;
 pub mod raw;
+mod scalars;
 mod source;
 mod stored;
 mod text;
 mod vti_write;
+mod vtk;
 mod write;
 
 use std::path::Path;

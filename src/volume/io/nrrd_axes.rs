@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::components::{Components, Reading};
+use super::components::{Components, Rule};
 use super::error::ReadError;
 use super::nrrd_header::Header;
 use super::open::ReadOptions;
@@ -91,19 +91,15 @@ impl Axes {
     }
 
     /// How the scalars of one volume lie, and what is made of them.
-    pub(super) fn components(&self, frame: usize, options: &ReadOptions) -> Components {
-        if self.frames_in_runs {
-            return Components {
-                count: self.frames,
-                run: self.run,
-                reading: Reading::One(frame),
-            };
+    pub(super) fn components(&self, path: &Path, frame: usize, options: &ReadOptions) -> Result<Components, ReadError> {
+        match &self.components {
+            _ if self.frames_in_runs => Ok(Components::new(path, self.frames, Some(frame))?.in_runs(self.run)),
+            Some(counted) => {
+                let components = Components::new(path, counted.size, options.component)?;
+                Ok(components.as_rule(usual_rule(counted)).in_runs(self.run))
+            }
+            None => Components::new(path, 1, options.component),
         }
-        let (count, usual) = match &self.components {
-            Some(counted) => (counted.size, usual_reading(counted)),
-            None => (1, Reading::One(0)),
-        };
-        Components::new(count, usual, options).in_runs(if count == 1 { 1 } else { self.run })
     }
 
     /// How many numbers a voxel has.
@@ -121,11 +117,11 @@ impl Axes {
 }
 
 /// What is made of the numbers along an axis of components.
-fn usual_reading(counted: &Counted) -> Reading {
+fn usual_rule(counted: &Counted) -> Rule {
     match counted.kind.as_str() {
-        "RGB-color" | "RGBA-color" | "3-color" | "4-color" if counted.size >= 3 => Reading::Luminance,
-        kind if kind.contains("list") || kind.contains("point") || SPATIAL_KINDS.contains(&kind) => Reading::One(0),
-        _ => Reading::Magnitude,
+        "RGB-color" | "RGBA-color" | "3-color" | "4-color" if counted.size >= 3 => Rule::Luminance,
+        kind if kind.contains("list") || kind.contains("point") || SPATIAL_KINDS.contains(&kind) => Rule::Component(0),
+        _ => Rule::Length,
     }
 }
 

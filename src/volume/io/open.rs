@@ -80,15 +80,6 @@ impl Opened {
         Ok(Self { declared, path, chunks })
     }
 
-    /// What `read` will give at once.
-    pub(super) fn at_once(
-        path: PathBuf,
-        declared: Declared,
-        read: impl FnOnce() -> Result<Voxels, ReadError> + Send + 'static,
-    ) -> Result<Self, ReadError> {
-        Self::new(path, declared, Box::new(std::iter::once_with(read)))
-    }
-
     /// What the header declares.
     pub fn declared(&self) -> &Declared {
         &self.declared
