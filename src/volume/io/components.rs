@@ -122,7 +122,9 @@ impl Components {
             Rule::Length => "read as their magnitude".to_owned(),
         };
         let count = self.count;
-        Some(format!("{count} components a voxel: {what}; --component reads one of them"))
+        Some(format!(
+            "{count} components a voxel: {what}; --component reads one of them"
+        ))
     }
 
     /// The one number of each voxel, of whole runs of which `voxels` has all numbers.
@@ -188,7 +190,10 @@ mod tests {
     #[test]
     fn colours_are_their_luminance() {
         let rgba = Voxels::U8(vec![255, 0, 0, 7, 0, 255, 0, 7, 0, 0, 255, 7, 255, 255, 255, 7]);
-        assert_eq!(components(4, None).one(rgba.clone()), Voxels::U8(vec![54, 182, 18, 255]));
+        assert_eq!(
+            components(4, None).one(rgba.clone()),
+            Voxels::U8(vec![54, 182, 18, 255])
+        );
         assert_eq!(components(4, Some(3)).one(rgba), Voxels::U8(vec![7; 4]));
         assert_eq!(components(3, None).voxel(VoxelType::U16), VoxelType::U16);
     }
@@ -210,7 +215,11 @@ mod tests {
         let runs = Voxels::U8(vec![1, 4, 2, 5, 3, 6, 7, 10, 8, 11, 9, 12]);
         for rule in [Rule::Component(0), Rule::Component(2), Rule::Luminance, Rule::Length] {
             let read = components(3, None).as_rule(rule);
-            assert_eq!(read.in_runs(2).one(runs.clone()), read.one(neighbours.clone()), "{rule:?}");
+            assert_eq!(
+                read.in_runs(2).one(runs.clone()),
+                read.one(neighbours.clone()),
+                "{rule:?}"
+            );
         }
     }
 

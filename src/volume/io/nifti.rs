@@ -208,7 +208,9 @@ fn components(
                 false => Rule::Length,
             };
             let run = voxel_count(shape.dims).map_err(|e| ReadError::new(path, e))?;
-            Ok(Components::new(path, count, options.component)?.as_rule(usual).in_runs(run))
+            Ok(Components::new(path, count, options.component)?
+                .as_rule(usual)
+                .in_runs(run))
         }
         (inner, outer) => {
             let what = format!("{outer} components of {inner} numbers each are not read");

@@ -10,8 +10,8 @@ use crate::volume::grid::voxel_count;
 use crate::volume::io::error::ReadError;
 use crate::volume::io::format::Format;
 use crate::volume::io::open::{Opened, ReadOptions};
-use crate::volume::io::stored::ByteOrder;
 use crate::volume::io::scalars::{Scalars, Source, Words};
+use crate::volume::io::stored::ByteOrder;
 
 /// Legacy VTK files among the formats.
 pub(in crate::volume::io) const FORMAT: Format = Format {
@@ -36,7 +36,12 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         return Err(ReadError::header(path, what).byte(data.start));
     }
     let count = voxels.saturating_mul(choice.components.count());
-    let scalars = Scalars::new(path.to_owned(), choice.stored, count, source(path, data, header.is_binary)?);
+    let scalars = Scalars::new(
+        path.to_owned(),
+        choice.stored,
+        count,
+        source(path, data, header.is_binary)?,
+    );
     Opened::new(path.to_owned(), declared, scalars.chunks(choice.components))
 }
 
