@@ -239,6 +239,7 @@ fn bad_headers_are_refused() {
         "NDims = 999\nDimSize = 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
         "NDims = 3\nDimSize = 2 0 4\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
         "NDims = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
+        "NDims = 4\nDimSize = 1 1 1 0\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n",
         "NDims = 3\nDimSize = 60000000 60000000 60000000\nElementType = MET_DOUBLE\nElementDataFile = LOCAL\n",
         "NDims = 3\nDimSize = 90000 90000 90000\nElementType = MET_UCHAR\nElementDataFile = a.mha\n",
     ] {

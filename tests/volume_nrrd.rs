@@ -373,6 +373,8 @@ fn bad_headers_name_the_line() {
 fn impossible_volumes_are_refused() {
     for header in [
         HEADER.replace("2 3 4", "2 0 4"),
+        format!("{}\nkinds: vector domain domain", HEADER.replace("2 3 4", "0 3 4")),
+        format!("{}\nkinds: domain domain time", HEADER.replace("2 3 4", "2 3 0")),
         "type: uint8\nencoding: raw".to_owned(),
         format!("{HEADER}\nspace: LPS\nspace directions: (1,0,0) (1,0,0) (0,0,1)"),
         format!("{HEADER}\ndata file: LIST"),

@@ -73,9 +73,12 @@ fn sizes(header: &Header) -> Result<Vec<usize>, ReadError> {
     if !(1..=MAX_DIMENSIONS).contains(&count) {
         return Err(header.bad("NDims", "the header does not say how many dimensions it has (`NDims`)"));
     }
-    header
-        .numbers(&["DimSize"], count)?
-        .ok_or_else(|| header.bad("DimSize", "the header has no `DimSize`"))
+    let sizes: Option<Vec<usize>> = header.numbers(&["DimSize"], count)?;
+    match sizes {
+        Some(sizes) if sizes.contains(&0) => Err(header.bad("DimSize", "an axis cannot have no voxels")),
+        Some(sizes) => Ok(sizes),
+        None => Err(header.bad("DimSize", "the header has no `DimSize`")),
+    }
 }
 
 fn components(path: &Path, header: &Header, options: &ReadOptions) -> Result<Components, ReadError> {

@@ -42,6 +42,9 @@ impl Axes {
             let what = format!("`sizes` has {} numbers, `dimension` says another", sizes.len());
             return Err(ReadError::header(path, what).line(field.line));
         }
+        if sizes.contains(&0) {
+            return Err(ReadError::header(path, "an axis cannot have no samples").line(field.line));
+        }
         let spatial = spatial_axes(header, sizes.len())?;
         let mut axes = Self {
             dims: [1; 3],
@@ -68,7 +71,7 @@ impl Axes {
             let is_behind_all = self.spatial.iter().all(|&spatial| spatial < axis);
             let counts_frames = kind == "time" || is_behind_all && SPATIAL_KINDS.contains(&kind);
             match (counts_frames, is_behind_all) {
-                (true, true) => self.frames = self.frames.saturating_mul(size),
+                (true, true) if !self.frames_in_runs => self.frames = self.frames.saturating_mul(size),
                 (counts_frames, _) if !self.frames_in_runs && self.components.is_none() && self.frames == 1 => {
                     let before = self.spatial.iter().filter(|&&spatial| spatial < axis);
                     self.run = before.fold(1, |n: usize, &spatial| n.saturating_mul(sizes[spatial]));
