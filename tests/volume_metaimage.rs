@@ -64,7 +64,7 @@ fn every_type_is_read_in_both_byte_orders() {
     ];
     let folder = tempfile::tempdir().unwrap();
     for (name, mut bytes, voxels) in cases {
-        let mut read = |order: &str, bytes: &[u8]| {
+        let read = |order: &str, bytes: &[u8]| {
             let header =
                 format!("NDims = 1\nDimSize = 1\n{order}\nElementType = MET_{name}\nElementDataFile = LOCAL\n");
             let path = file(&folder, "a.mha", &[header.as_bytes(), bytes].concat());

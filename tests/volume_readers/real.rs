@@ -1,11 +1,10 @@
 //! Files of nibabel's tests, the MNI152 head and Colin27 against SimpleITK; where it differs from nibabel's rules, nibabel's hold.
 
-#[path = "support/readers.rs"]
-mod readers;
-
 use std::path::{Path, PathBuf};
 
 use vcsg::volume::io::{self, ReadOptions, VolumeInfo};
+
+use crate::readers;
 
 const DATA: &str = "target/deps/data";
 

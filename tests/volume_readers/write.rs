@@ -1,8 +1,5 @@
 //! Volumes that are written: SimpleITK and VTK, and this program, read the same values at the same place.
 
-#[path = "support/readers.rs"]
-mod readers;
-
 use std::fs;
 use std::path::PathBuf;
 
@@ -11,6 +8,8 @@ use tempfile::TempDir;
 use vcsg::math::affine;
 use vcsg::volume::io::{self, Encoding, FORMATS};
 use vcsg::volume::{Grid, VoxelType, Voxels};
+
+use crate::readers;
 
 const DIMS: [usize; 3] = [5, 4, 3];
 
