@@ -298,6 +298,9 @@ const MISTAKES: &[(&[&str], &str)] = &[
     ),
     (&["render", "open.kdl", "-o", "a.png", "--renderer", "reference"], ""),
     (&["bake", "scene.kdl", "-o", "a.vtk"], ".nrrd"),
+    (&["convert", "volume.nrrd", "a.txt"], ".nrrd"),
+    (&["convert", "scene.kdl", "a.nrrd"], "vcsg bake"),
+    (&["convert", "volume.nrrd", "none/a.mhd"], "none/a"),
     (&["bake", "scene.kdl", "-o", "none/a.nrrd"], "none/a.nrrd"),
     (&["paint"], "paint"),
 ];

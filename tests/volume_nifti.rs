@@ -13,7 +13,7 @@ use nifti_header::Header;
 use tempfile::TempDir;
 use vcsg::math::affine;
 use vcsg::volume::Voxels;
-use vcsg::volume::io::{self, Problem, ReadError, Volume};
+use vcsg::volume::io::{self, Problem, ReadError, ReadOptions, Volume};
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
@@ -194,15 +194,146 @@ fn an_extension_is_skipped() {
 }
 
 #[test]
-fn colours_complex_numbers_and_vectors_are_refused() {
-    for code in [1, 32, 128, 1536, 1792, 2048, 2304] {
+fn what_has_no_place_in_memory_is_refused_by_name() {
+    for (code, name) in [(1, "single bits"), (1536, "128-bit"), (2048, "128-bit")] {
         let error = read(&Header::new(&[2, 2, 2], code).with(&[0; 256])).unwrap_err();
         assert!(matches!(error.problem, Problem::Unsupported(_)), "{error}");
+        assert!(error.to_string().contains(name), "{error}");
     }
-    let mut header = Header::new(&[1, 1, 1, 1, 3], 2);
+}
+
+fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Volume, ReadError> {
+    let folder = tempfile::tempdir().unwrap();
+    io::read_with(&file(&folder, "a.nii", bytes), options)
+}
+
+fn chosen(frame: usize, component: usize) -> ReadOptions {
+    ReadOptions {
+        frame: Some(frame),
+        component: Some(component),
+        ..ReadOptions::default()
+    }
+}
+
+#[test]
+fn colours_complex_numbers_and_vectors_are_read() {
+    let mut colours = Header::new(&[2, 1, 1], 128);
+    // Slopes are for numbers, not for colours.
+    colours.f32(112, 5.0);
+    let volume = read(&colours.with(&[255, 0, 0, 0, 255, 0])).unwrap();
+    assert_eq!(
+        (volume.components, volume.grid.voxels()),
+        (3, &Voxels::U8(vec![54, 182]))
+    );
+    let volume = read(&Header::new(&[1, 1, 1], 2304).with(&[0, 0, 255, 9])).unwrap();
+    assert_eq!((volume.components, volume.grid.voxels()), (4, &Voxels::U8(vec![18])));
+    let complex: Vec<u8> = [3.0f32, -4.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let volume = read(&Header::new(&[1, 1, 1], 32).with(&complex)).unwrap();
+    assert_eq!((volume.components, volume.grid.voxels()), (2, &Voxels::F32(vec![5.0])));
+    let complex: Vec<u8> = [3.0f64, -4.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let volume = read(&Header::new(&[1, 1, 1], 1792).with(&complex)).unwrap();
+    assert_eq!(*volume.grid.voxels(), Voxels::F64(vec![5.0]));
+    let imaginary = read_with(&Header::new(&[1, 1, 1], 1792).with(&complex), &chosen(0, 1)).unwrap();
+    assert_eq!(*imaginary.grid.voxels(), Voxels::F64(vec![-4.0]));
+}
+
+#[test]
+fn a_fifth_axis_of_components_has_all_frames_of_each() {
+    // Two voxels, two frames, three components.
+    let data: Vec<u8> = (0..12).collect();
+    let mut header = Header::new(&[2, 1, 1, 2, 3], 2);
     header.i16(68, 1007);
-    let error = read(&header.with(&DATA)).unwrap_err();
-    assert!(error.to_string().contains("3 components"), "{error}");
+    let bytes = header.with(&data);
+    for bytes in [bytes.clone(), gzip(&bytes)] {
+        for frame in 0..2 {
+            for component in 0..3 {
+                let volume = read_with(&bytes, &chosen(frame, component)).unwrap();
+                let first = (4 * component + 2 * frame) as u8;
+                assert_eq!((volume.frames, volume.components), (2, 3));
+                assert_eq!(*volume.grid.voxels(), Voxels::U8(vec![first, first + 1]));
+            }
+        }
+        assert!(read_with(&bytes, &chosen(2, 0)).is_err());
+        assert!(read_with(&bytes, &chosen(0, 3)).is_err());
+    }
+    let length = |a: f32, b: f32, c: f32| (a * a + b * b + c * c).sqrt();
+    let volume = read(&bytes).unwrap();
+    assert_eq!(
+        *volume.grid.voxels(),
+        Voxels::F32(vec![length(0.0, 4.0, 8.0), length(1.0, 5.0, 9.0)])
+    );
+    // Without an intent of components the fifth axis counts volumes.
+    let mut header = Header::new(&[2, 1, 1, 2, 3], 2);
+    header.i16(68, 0);
+    assert_eq!(read(&header.with(&data)).unwrap().frames, 6);
+}
+
+#[test]
+fn nifti_2_is_read_in_both_byte_orders() {
+    for big in [false, true] {
+        let mut bytes = vec![0; 544];
+        let mut put = |at: usize, value: &[u8]| {
+            bytes[at..at + value.len()].copy_from_slice(value);
+            if big {
+                bytes[at..at + value.len()].reverse();
+            }
+        };
+        put(0, &540_i32.to_le_bytes());
+        put(12, &4_i16.to_le_bytes());
+        for (axis, n) in [3_i64, 2, 1, 2].into_iter().enumerate() {
+            put(16 + 8 * axis, &n.to_le_bytes());
+        }
+        put(168, &544_i64.to_le_bytes());
+        put(348, &2_i32.to_le_bytes());
+        for (place, value) in [
+            (400, 0.1),
+            (400 + 24, 5.0),
+            (432 + 8, 0.2),
+            (464 + 16, 0.3),
+            (464 + 24, -1e-9),
+        ] {
+            put(place, &f64::to_le_bytes(value));
+        }
+        let magic = b"n+2\0\r\n\x1a\n";
+        bytes[4..12].copy_from_slice(magic);
+        for value in [1_i16, -2, 300, 4] {
+            bytes.extend(if big { value.to_be_bytes() } else { value.to_le_bytes() });
+        }
+        let volume = read(&bytes).unwrap();
+        assert_eq!(volume.format, "NIfTI-2");
+        assert_eq!(*volume.grid.voxels(), Voxels::I16(vec![1, -2, 300, 4]));
+        let place = volume.grid.world_from_index();
+        assert_eq!(place.matrix3, DMat3::from_diagonal(DVec3::new(-0.1, -0.2, 0.3)));
+        assert_eq!(place.translation, DVec3::new(-5.0, 0.0, -1e-9));
+        for end in 0..bytes.len() {
+            assert!(read(&bytes[..end]).is_err(), "{end}");
+        }
+    }
+}
+
+#[test]
+fn analyze_has_sizes_and_no_more() {
+    for mut header in [Header::new(&[2, 2, 2], 2), Header::swapped(&[2, 2, 2], 2)] {
+        let folder = tempfile::tempdir().unwrap();
+        header.bytes[344..].fill(0);
+        // A vox_offset of 0; no slope, whatever is where NIfTI has one.
+        header.f32(108, 0.0);
+        header.f32(112, 3.0);
+        for (axis, size) in [2.0, 3.0, 4.0].into_iter().enumerate() {
+            header.f32(80 + 4 * axis, size);
+        }
+        let path = file(&folder, "a.hdr", &header.bytes);
+        file(&folder, "a.img", &DATA);
+        let volume = io::read(&path).unwrap();
+        assert_eq!(volume.format, "ANALYZE 7.5");
+        assert_eq!(*volume.grid.voxels(), Voxels::U8(DATA.to_vec()));
+        let expected = DMat3::from_diagonal(DVec3::new(2.0, 3.0, 4.0));
+        assert_eq!(volume.grid.world_from_index().matrix3, expected);
+        assert!(
+            io::read(&file(&folder, "a.nii", &header.with(&DATA))).is_err(),
+            "without magic letters"
+        );
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use flate2::write::GzEncoder;
 use glam::{DAffine3, DMat3, DVec3};
 use tempfile::TempDir;
 use vcsg::volume::Voxels;
-use vcsg::volume::io::{self, Position, Problem, ReadError, Volume};
+use vcsg::volume::io::{self, Position, Problem, ReadError, ReadOptions, Volume};
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
@@ -124,16 +124,136 @@ fn an_axis_of_one_component_is_left_out() {
     assert_eq!(read(header, &DATA).unwrap().grid.dims(), [2, 3, 4]);
 }
 
+fn read_with(header: &str, data: &[u8], options: &ReadOptions) -> Result<Volume, ReadError> {
+    let folder = folder();
+    let bytes = [format!("NRRD0005\n{header}\n\n").as_bytes(), data].concat();
+    io::read_with(&file(&folder, "a.nrrd", &bytes), options)
+}
+
+/// Of the component `component`.
+fn component(component: usize) -> ReadOptions {
+    ReadOptions {
+        component: Some(component),
+        ..ReadOptions::default()
+    }
+}
+
 #[test]
-fn vectors_and_colours_are_refused() {
-    for kinds in [
-        "vector domain domain",
-        "RGB-color domain domain",
-        "domain vector domain",
+fn components_are_read_wherever_their_axis_is() {
+    for (kinds, dims, second) in [
+        (
+            "vector domain domain",
+            [3, 4, 1],
+            (0..12).map(|v| 2 * v + 1).collect::<Vec<u8>>(),
+        ),
+        (
+            "domain covariant-vector domain",
+            [2, 4, 1],
+            vec![2, 3, 8, 9, 14, 15, 20, 21],
+        ),
+        ("space space list", [2, 3, 1], (6..12).collect()),
     ] {
-        let error = read(&format!("{HEADER}\nkinds: {kinds}"), &DATA).unwrap_err();
+        let header = format!("{HEADER}\nkinds: {kinds}");
+        let volume = read_with(&header, &DATA, &component(1)).unwrap();
+        assert_eq!((volume.grid.dims(), u8s(&volume)), (dims, &second[..]), "{kinds}");
+        assert_eq!(volume.components, 24 / dims.iter().product::<usize>());
+        let error = read_with(&header, &DATA, &component(volume.components)).unwrap_err();
         assert!(matches!(error.problem, Problem::Unsupported(_)), "{error}");
-        assert!(error.to_string().contains("components"), "{error}");
+    }
+}
+
+#[test]
+fn what_is_made_of_components_goes_by_their_kind() {
+    let header = |kind: &str, size: usize| {
+        format!("type: uint8\ndimension: 2\nsizes: {size} 1\nkinds: {kind} domain\nencoding: raw")
+    };
+    let made = |kind, data: &[u8]| read(&header(kind, data.len()), data).unwrap().grid.voxels().clone();
+    assert_eq!(made("RGB-color", &[255, 0, 0]), Voxels::U8(vec![54]));
+    assert_eq!(made("RGBA-color", &[0, 255, 0, 9]), Voxels::U8(vec![182]));
+    assert_eq!(made("3-vector", &[2, 3, 6]), Voxels::F32(vec![7.0]));
+    assert_eq!(made("complex", &[3, 4]), Voxels::F32(vec![5.0]));
+    assert_eq!(made("list", &[3, 4]), Voxels::U8(vec![3]));
+    let error = read(
+        &HEADER.replace("encoding", "kinds: vector list domain\nencoding"),
+        &DATA,
+    )
+    .unwrap_err();
+    assert!(error.to_string().contains("several axes"), "{error}");
+}
+
+#[test]
+fn a_frame_is_chosen_by_its_number() {
+    let frame = |frame| ReadOptions {
+        frame: Some(frame),
+        ..ReadOptions::default()
+    };
+    let header = "type: uint8\ndimension: 4\nsizes: 2 3 2 2\nencoding: raw";
+    assert_eq!(u8s(&read_with(header, &DATA, &frame(1)).unwrap()), &DATA[12..]);
+    let packed = read_with(&header.replace("raw", "gzip"), &gzip(&DATA), &frame(1)).unwrap();
+    assert_eq!(u8s(&packed), &DATA[12..]);
+    let error = read_with(header, &DATA, &frame(2)).unwrap_err();
+    assert!(error.to_string().contains("it holds 2"), "{error}");
+    assert!(read_with(header, &DATA[..23], &frame(0)).is_err(), "cut off");
+    let first = "type: uint8\ndimension: 3\nsizes: 2 3 4\nkinds: time domain domain\nencoding: raw";
+    let volume = read_with(first, &DATA, &frame(1)).unwrap();
+    assert_eq!((volume.frames, volume.components), (2, 1));
+    assert_eq!(u8s(&volume), (0..12).map(|v| 2 * v + 1).collect::<Vec<u8>>());
+}
+
+#[test]
+fn the_lowest_place_of_an_axis_is_a_border_unless_it_is_a_node() {
+    let header = format!("{HEADER}\nspacings: 1 2 3\naxis mins: 10 20 30");
+    for (centers, origin) in [
+        ("", DVec3::new(10.5, 21.0, 31.5)),
+        ("\ncenters: cell cell cell", DVec3::new(10.5, 21.0, 31.5)),
+        ("\ncenterings: node node cell", DVec3::new(10.0, 20.0, 31.5)),
+    ] {
+        let volume = read(&format!("{header}{centers}"), &DATA).unwrap();
+        assert_eq!(volume.grid.world_from_index().translation, origin, "{centers}");
+    }
+}
+
+#[test]
+fn bzip2_and_hexadecimal_are_read() {
+    let mut encoder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::fast());
+    encoder.write_all(&DATA).unwrap();
+    let packed = encoder.finish().unwrap();
+    for encoding in ["bzip2", "bz2"] {
+        assert_eq!(u8s(&read(&HEADER.replace("raw", encoding), &packed).unwrap()), DATA);
+    }
+    assert!(read(&HEADER.replace("raw", "bzip2"), &packed[..packed.len() - 4]).is_err());
+    let hex: String = DATA.iter().map(|v| format!("{v:02X}\n")).collect();
+    assert_eq!(u8s(&read(&HEADER.replace("raw", "hex"), hex.as_bytes()).unwrap()), DATA);
+    assert!(read(&HEADER.replace("raw", "hex"), &[b'g'; 48]).is_err());
+}
+
+#[test]
+fn data_in_several_files_is_put_together() {
+    let folder = folder();
+    for (n, part) in DATA.chunks(6).enumerate() {
+        file(&folder, &format!("p{}.raw", n + 1), &[b"line\nXY", part].concat());
+    }
+    for named in [
+        "LIST\np1.raw\np2.raw\np3.raw\np4.raw",
+        "p%d.raw 1 4 1",
+        "p%01d.raw 1 4 1 2",
+    ] {
+        let header = format!("NRRD0004\n{HEADER}\nline skip: 1\nbyte skip: 2\ndata file: {named}\n");
+        let volume = io::read(&file(&folder, "a.nhdr", header.as_bytes())).unwrap();
+        assert_eq!(u8s(&volume), DATA, "{named}");
+    }
+    for named in [
+        "LIST\np1.raw\np2.raw",
+        "p%d.raw 1 5 1",
+        "p%d.raw 1 4 0",
+        "p%x.raw 1 4 1",
+        "LIST",
+    ] {
+        let header = format!("NRRD0004\n{HEADER}\nline skip: 1\nbyte skip: 2\ndata file: {named}\n");
+        assert!(
+            io::read(&file(&folder, "a.nhdr", header.as_bytes())).is_err(),
+            "{named}"
+        );
     }
 }
 
@@ -242,7 +362,7 @@ fn bad_headers_name_the_line() {
         (format!("{HEADER}\nspace: outer"), 6),
         (format!("{HEADER}\nspace directions: (1,0 (0,1,0) (0,0,1)"), 6),
         (format!("{HEADER}\nencoding: raw"), 6),
-        (HEADER.replace("raw", "hex"), 5),
+        (HEADER.replace("raw", "zrl"), 5),
     ] {
         let error = read(&header, &DATA).unwrap_err();
         assert_eq!(error.position, Some(Position::Line(line)), "{error}");
@@ -253,6 +373,8 @@ fn bad_headers_name_the_line() {
 fn impossible_volumes_are_refused() {
     for header in [
         HEADER.replace("2 3 4", "2 0 4"),
+        format!("{}\nkinds: vector domain domain", HEADER.replace("2 3 4", "0 3 4")),
+        format!("{}\nkinds: domain domain time", HEADER.replace("2 3 4", "2 3 0")),
         "type: uint8\nencoding: raw".to_owned(),
         format!("{HEADER}\nspace: LPS\nspace directions: (1,0,0) (1,0,0) (0,0,1)"),
         format!("{HEADER}\ndata file: LIST"),

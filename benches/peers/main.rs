@@ -14,6 +14,7 @@ mod primitives;
 #[path = "../quads/mod.rs"]
 mod quads;
 mod rates;
+mod reading;
 mod resampling;
 mod rows;
 mod runs;
@@ -62,6 +63,9 @@ struct Arguments {
     /// Measure primitives only, and write no report.
     #[arg(long)]
     primitives: bool,
+    /// Measure reading of files only, and write no report.
+    #[arg(long)]
+    reading: bool,
     /// Measure edits only, and write no report.
     #[arg(long)]
     editing: bool,
@@ -91,6 +95,7 @@ struct Report {
     surfaces: Vec<surfaces::Comparison>,
     primitives: Vec<primitives::Comparison>,
     editing: Vec<editing::Comparison>,
+    reading: Vec<reading::Comparison>,
 }
 
 fn main() -> ExitCode {
@@ -123,6 +128,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return editing::compare(&drawing::open_device()?, arguments.repetitions().runs).map(|_| 0);
     }
     vtk::require_setup()?;
+    if arguments.reading {
+        return reading::compare(arguments.repetitions().runs).map(|_| 0);
+    }
     if let Some(name) = &arguments.surfaces {
         return surfaces::compare(name, arguments.repetitions().runs).map(|_| 0);
     }
@@ -173,6 +181,7 @@ impl Report {
             surfaces: surfaces::compare("", repetitions.runs)?,
             primitives: primitives::compare(repetitions.runs)?,
             editing: editing::compare(&device, repetitions.runs)?,
+            reading: reading::compare(repetitions.runs)?,
         })
     }
 
@@ -185,6 +194,7 @@ impl Report {
         let surfaces = self.surfaces.iter().flat_map(|c| &c.bars);
         let primitives = self.primitives.iter().flat_map(|c| &c.bars);
         let editing = self.editing.iter().map(|c| &c.bar);
+        let reading = self.reading.iter().map(|c| &c.bar);
         frames
             .chain(rates)
             .chain(resampling)
@@ -193,6 +203,7 @@ impl Report {
             .chain(surfaces)
             .chain(primitives)
             .chain(editing)
+            .chain(reading)
             .collect()
     }
 }

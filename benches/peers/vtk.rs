@@ -13,7 +13,11 @@ use crate::runs::Run;
 const PYTHON: &str = "target/deps/vtk/bin/python";
 
 /// Files that `make setup` installs and this bench cannot do without.
-const REQUIRED: [&str; 2] = [PYTHON, "target/deps/data/ch2.nii.gz"];
+const REQUIRED: [&str; 3] = [
+    PYTHON,
+    "target/deps/data/ch2.nii.gz",
+    "target/deps/data/ch2better.nii.gz",
+];
 
 /// Fails if something is missing that `make setup` installs.
 pub fn require_setup() -> Outcome<()> {

@@ -52,15 +52,39 @@ impl Voxels {
 
     /// No voxel of `voxel` type.
     pub(super) fn none(voxel: VoxelType) -> Self {
+        Self::zeros(voxel, 0)
+    }
+
+    /// `count` voxels of `voxel` type, all 0.
+    pub(super) fn zeros(voxel: VoxelType, count: usize) -> Self {
         match voxel {
-            VoxelType::U8 => Self::U8(Vec::new()),
-            VoxelType::I8 => Self::I8(Vec::new()),
-            VoxelType::U16 => Self::U16(Vec::new()),
-            VoxelType::I16 => Self::I16(Vec::new()),
-            VoxelType::U32 => Self::U32(Vec::new()),
-            VoxelType::I32 => Self::I32(Vec::new()),
-            VoxelType::F32 => Self::F32(Vec::new()),
-            VoxelType::F64 => Self::F64(Vec::new()),
+            VoxelType::U8 => Self::U8(vec![0; count]),
+            VoxelType::I8 => Self::I8(vec![0; count]),
+            VoxelType::U16 => Self::U16(vec![0; count]),
+            VoxelType::I16 => Self::I16(vec![0; count]),
+            VoxelType::U32 => Self::U32(vec![0; count]),
+            VoxelType::I32 => Self::I32(vec![0; count]),
+            VoxelType::F32 => Self::F32(vec![0.0; count]),
+            VoxelType::F64 => Self::F64(vec![0.0; count]),
+        }
+    }
+
+    /// Puts those of `from`, of the same type, that are in `range` in the place of these from `start` on.
+    pub(super) fn overwrite(&mut self, start: usize, from: &Self, range: Range<usize>) {
+        let to = start..start + range.len();
+        match (self, from) {
+            (Self::U8(v), Self::U8(from)) => v[to].copy_from_slice(&from[range]),
+            (Self::I8(v), Self::I8(from)) => v[to].copy_from_slice(&from[range]),
+            (Self::U16(v), Self::U16(from)) => v[to].copy_from_slice(&from[range]),
+            (Self::I16(v), Self::I16(from)) => v[to].copy_from_slice(&from[range]),
+            (Self::U32(v), Self::U32(from)) => v[to].copy_from_slice(&from[range]),
+            (Self::I32(v), Self::I32(from)) => v[to].copy_from_slice(&from[range]),
+            (Self::F32(v), Self::F32(from)) => v[to].copy_from_slice(&from[range]),
+            (Self::F64(v), Self::F64(from)) => v[to].copy_from_slice(&from[range]),
+            (to, from) => panic!(
+                "voxels of two types put together: {:?}",
+                (to.voxel_type(), from.voxel_type())
+            ),
         }
     }
 

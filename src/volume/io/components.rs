@@ -1,55 +1,74 @@
-//! Voxels of several numbers: which of them is read, or what they are together.
+//! One number a voxel, of files that hold several.
+//!
+//! *Practice.* A component is taken as it is. Otherwise three or four whole numbers of 8 or 16 bits are a colour, of which the
+//! luminance is taken (Rec. 709, of the numbers as they are stored; a fourth, the opacity, counts for nothing), and all else is
+//! a vector, of which the length is taken; unless the format says what they are.
 
 use std::iter::StepBy;
 use std::path::Path;
 use std::slice::Iter;
 
 use super::error::ReadError;
-use super::open::ReadOptions;
+use super::stored::Stored;
 use crate::volume::grid::Voxels;
 use crate::volume::voxel::{Voxel, VoxelType, for_type, map_type};
 
-/// What is made of a voxel's numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Reading {
-    /// The one of this number, from 0 on.
-    One(usize),
-    /// Of red, green and blue the luminance by ITU-R BT.709, rounded to the stored type; what follows them, as opacity, is left out.
-    Luminance,
-    /// The root of the sum of their squares, in `f64` if they are, else in `f32`.
-    Magnitude,
-}
+/// Rec. 709's share of red, green and blue in the luminance.
+const REC_709: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-/// How the numbers of voxels lie: runs of `run` voxels' first numbers, then as many of the second, and so on.
+/// Which number of a voxel, or what of them all, and how they lie: runs of so many voxels' first numbers, then as many of the
+/// second, and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Components {
-    /// Numbers a voxel.
-    pub count: usize,
+    /// Numbers a voxel in the file.
+    count: usize,
+    /// The one that is meant.
+    chosen: Option<usize>,
+    /// What the format says that becomes of them otherwise.
+    usual: Option<Rule>,
     /// Voxels in a run: 1 where the numbers of a voxel follow each other.
-    pub run: usize,
-    /// What is made of them.
-    pub reading: Reading,
+    run: usize,
 }
 
-/// Weights of red, green and blue, ITU-R BT.709.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// What becomes of several numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    /// One of them is taken.
+    Component(usize),
+    /// They are a colour.
+    Luminance,
+    /// They are a vector, or a complex number.
+    Length,
+}
 
 impl Components {
     /// One number a voxel.
     pub(super) const SCALAR: Self = Self {
         count: 1,
+        chosen: None,
+        usual: None,
         run: 1,
-        reading: Reading::One(0),
     };
 
-    /// `count` numbers a voxel, one after the other, read as `usual` unless the options name one.
-    pub(super) fn new(count: usize, usual: Reading, options: &ReadOptions) -> Self {
-        let reading = match (options.component, count) {
-            (Some(component), _) => Reading::One(component),
-            (None, 1) => Reading::One(0),
-            (None, _) => usual,
-        };
-        Self { count, run: 1, reading }
+    /// `chosen`, or all, of the `count` numbers (at least one) of a voxel in the file at `path`.
+    pub(super) fn new(path: &Path, count: usize, chosen: Option<usize>) -> Result<Self, ReadError> {
+        match chosen {
+            Some(chosen) if chosen >= count => {
+                let what = format!("it has no component {chosen}: its voxels have {count}");
+                Err(ReadError::unsupported(path, what).hint(format!("components are counted from 0 to {}", count - 1)))
+            }
+            _ => Ok(Self {
+                count,
+                chosen,
+                ..Self::SCALAR
+            }),
+        }
+    }
+
+    /// The same where the format says what becomes of them.
+    pub(super) fn as_rule(self, usual: Rule) -> Self {
+        let usual = Some(usual);
+        Self { usual, ..self }
     }
 
     /// The same in runs of `run` voxels.
@@ -57,62 +76,75 @@ impl Components {
         Self { run, ..self }
     }
 
-    /// Fails where the number that is asked for is none of theirs.
-    pub(super) fn check(&self, path: &Path) -> Result<(), ReadError> {
-        match self.reading {
-            Reading::One(component) if component >= self.count => {
-                let what = format!(
-                    "there is no component {component}: a voxel has {}, from 0 on",
-                    self.count
-                );
-                Err(ReadError::unsupported(path, what).hint("say another --component"))
-            }
-            _ => Ok(()),
+    /// How many numbers a voxel has in the file.
+    pub(super) fn count(self) -> usize {
+        self.count
+    }
+
+    /// How many voxels a run has.
+    pub(super) fn run(self) -> usize {
+        self.run
+    }
+
+    /// The one that is meant, if one is.
+    pub(super) fn chosen(self) -> Option<usize> {
+        match self.usual {
+            Some(Rule::Component(component)) => self.chosen.or(Some(component)),
+            _ => self.chosen,
         }
     }
 
-    /// The type of what is made of numbers of the type `scalar`.
-    pub(super) fn voxel(&self, scalar: VoxelType) -> VoxelType {
-        match (self.reading, scalar) {
-            (Reading::Magnitude, VoxelType::F64) => VoxelType::F64,
-            (Reading::Magnitude, _) => VoxelType::F32,
-            _ => scalar,
+    fn rule(self, stored: VoxelType) -> Rule {
+        match (self.chosen, self.usual, self.count, stored) {
+            (Some(component), ..) => Rule::Component(component),
+            (None, _, 1, _) => Rule::Component(0),
+            (None, Some(usual), ..) => usual,
+            (None, None, 3 | 4, VoxelType::U8 | VoxelType::U16) => Rule::Luminance,
+            _ => Rule::Length,
         }
     }
 
-    /// What a user should know of it.
-    pub(super) fn note(&self) -> Option<String> {
-        let what = match self.reading {
+    /// The type of the one number, of voxels that hold numbers of type `stored`.
+    pub(super) fn voxel(self, stored: VoxelType) -> VoxelType {
+        match (self.rule(stored), stored) {
+            (Rule::Component(_) | Rule::Luminance, stored) => stored,
+            (Rule::Length, VoxelType::F64) => VoxelType::F64,
+            (Rule::Length, _) => VoxelType::F32,
+        }
+    }
+
+    /// What a user should know of it, of voxels that hold numbers of type `stored`.
+    pub(super) fn note(self, stored: Stored) -> Option<String> {
+        let what = match self.rule(stored.voxel()) {
             _ if self.count == 1 => return None,
-            Reading::One(component) => format!("component {component} is read"),
-            Reading::Luminance => "read as their luminance (Rec. 709), rounded".to_owned(),
-            Reading::Magnitude => "read as their magnitude".to_owned(),
+            Rule::Component(component) => format!("component {component} is read"),
+            Rule::Luminance => "read as their luminance (Rec. 709), rounded".to_owned(),
+            Rule::Length => "read as their magnitude".to_owned(),
         };
-        let others = "--component reads one of them";
-        Some(format!("{} components a voxel: {what}; {others}", self.count))
+        let count = self.count;
+        Some(format!(
+            "{count} components a voxel: {what}; --component reads one of them"
+        ))
     }
 
-    /// One number a voxel, of whole runs of all.
-    pub(super) fn combine(&self, scalars: Voxels) -> Voxels {
-        if self.count == 1 {
-            return scalars;
-        }
-        match (self.reading, scalars) {
-            (Reading::Magnitude, Voxels::F64(v)) => Voxels::F64(self.each(&v, magnitude)),
-            (Reading::Magnitude, scalars) => {
-                Voxels::F32(for_type!(Voxels, scalars, v => self.each(&v, |v| magnitude(v) as f32)))
+    /// The one number of each voxel, of whole runs of which `voxels` has all numbers.
+    pub(super) fn one(self, voxels: Voxels) -> Voxels {
+        match (self.rule(voxels.voxel_type()), voxels) {
+            (Rule::Component(_), voxels) if self.count == 1 => voxels,
+            (Rule::Component(c), voxels) => map_type!(Voxels, voxels, Voxels, v => self.every(&v, |voxel| voxel.at(c))),
+            (Rule::Luminance, voxels) => map_type!(Voxels, voxels, Voxels, v => self.every(&v, luminance)),
+            (Rule::Length, Voxels::F64(v)) => Voxels::F64(self.every(&v, length)),
+            (Rule::Length, voxels) => {
+                Voxels::F32(for_type!(Voxels, voxels, v => self.every(&v, |voxel| length(voxel) as f32)))
             }
-            (Reading::Luminance, scalars) => map_type!(Voxels, scalars, Voxels, v => self.each(&v, luminance)),
-            (Reading::One(n), scalars) => map_type!(Voxels, scalars, Voxels, v => self.each(&v, |v| v[n])),
         }
     }
 
-    /// What `made` makes of each voxel's numbers.
-    fn each<T: Voxel, U>(&self, scalars: &[T], made: impl Fn(Numbers<T>) -> U) -> Vec<U> {
-        let mut all = Vec::with_capacity(scalars.len() / self.count);
-        for runs in scalars.chunks_exact(self.run * self.count) {
+    fn every<T: Voxel, U>(self, numbers: &[T], of: impl Fn(Numbers<T>) -> U) -> Vec<U> {
+        let mut all = Vec::with_capacity(numbers.len() / self.count);
+        for runs in numbers.chunks_exact(self.run * self.count) {
             all.extend((0..self.run).map(|i| {
-                made(Numbers {
+                of(Numbers {
                     from_first: &runs[i..],
                     step: self.run,
                 })
@@ -128,43 +160,52 @@ struct Numbers<'a, T> {
     step: usize,
 }
 
-impl<'a, T> Numbers<'a, T> {
+impl<'a, T: Voxel> Numbers<'a, T> {
+    fn at(&self, n: usize) -> T {
+        self.from_first[n * self.step]
+    }
+
     fn iter(&self) -> StepBy<Iter<'a, T>> {
         self.from_first.iter().step_by(self.step)
     }
 }
 
-impl<T> std::ops::Index<usize> for Numbers<'_, T> {
-    type Output = T;
-
-    fn index(&self, n: usize) -> &T {
-        &self.from_first[n * self.step]
-    }
+fn luminance<T: Voxel>(colour: Numbers<T>) -> T {
+    let parts = colour.iter().zip(REC_709);
+    T::nearest(parts.map(|(v, share)| v.to_f64() * share).sum())
 }
 
-fn magnitude<T: Voxel>(numbers: Numbers<T>) -> f64 {
-    numbers.iter().map(|v| v.to_f64() * v.to_f64()).sum::<f64>().sqrt()
-}
-
-fn luminance<T: Voxel>(numbers: Numbers<T>) -> T {
-    T::nearest(
-        numbers
-            .iter()
-            .zip(LUMINANCE)
-            .map(|(v, weight)| weight * v.to_f64())
-            .sum(),
-    )
+fn length<T: Voxel>(vector: Numbers<T>) -> f64 {
+    vector.iter().map(|v| v.to_f64() * v.to_f64()).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn three(reading: Reading) -> Components {
-        Components {
-            count: 3,
-            run: 1,
-            reading,
+    fn components(count: usize, chosen: Option<usize>) -> Components {
+        Components::new(Path::new("a"), count, chosen).unwrap()
+    }
+
+    #[test]
+    fn colours_are_their_luminance() {
+        let rgba = Voxels::U8(vec![255, 0, 0, 7, 0, 255, 0, 7, 0, 0, 255, 7, 255, 255, 255, 7]);
+        assert_eq!(
+            components(4, None).one(rgba.clone()),
+            Voxels::U8(vec![54, 182, 18, 255])
+        );
+        assert_eq!(components(4, Some(3)).one(rgba), Voxels::U8(vec![7; 4]));
+        assert_eq!(components(3, None).voxel(VoxelType::U16), VoxelType::U16);
+    }
+
+    #[test]
+    fn vectors_are_their_length() {
+        assert_eq!(components(2, None).one(Voxels::U8(vec![3, 4])), Voxels::F32(vec![5.0]));
+        let vectors = Voxels::F64(vec![2.0, 3.0, 6.0, -1.0, 0.0, 0.0]);
+        assert_eq!(components(3, None).one(vectors), Voxels::F64(vec![7.0, 1.0]));
+        for stored in [VoxelType::I16, VoxelType::F64] {
+            let one = components(3, None).one(Voxels::none(stored));
+            assert_eq!(one.voxel_type(), components(3, None).voxel(stored));
         }
     }
 
@@ -172,20 +213,18 @@ mod tests {
     fn runs_and_neighbours_give_the_same() {
         let neighbours = Voxels::U8(vec![1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
         let runs = Voxels::U8(vec![1, 4, 2, 5, 3, 6, 7, 10, 8, 11, 9, 12]);
-        for reading in [Reading::One(0), Reading::One(2), Reading::Luminance, Reading::Magnitude] {
-            let expected = three(reading).combine(neighbours.clone());
-            assert_eq!(three(reading).in_runs(2).combine(runs.clone()), expected, "{reading:?}");
+        for rule in [Rule::Component(0), Rule::Component(2), Rule::Luminance, Rule::Length] {
+            let read = components(3, None).as_rule(rule);
+            assert_eq!(
+                read.in_runs(2).one(runs.clone()),
+                read.one(neighbours.clone()),
+                "{rule:?}"
+            );
         }
     }
 
     #[test]
-    fn colours_become_grey_and_vectors_long() {
-        let luminance = |colour: [u8; 3]| three(Reading::Luminance).combine(Voxels::U8(colour.to_vec()));
-        assert_eq!(luminance([255, 0, 0]), Voxels::U8(vec![54]));
-        assert_eq!(luminance([255; 3]), Voxels::U8(vec![255]));
-        let long = three(Reading::Magnitude).combine(Voxels::I16(vec![-2, 3, 6]));
-        assert_eq!(long, Voxels::F32(vec![7.0]));
-        let exact = three(Reading::Magnitude).combine(Voxels::F64(vec![0.0, -0.1, 0.0]));
-        assert_eq!(exact, Voxels::F64(vec![0.1]));
+    fn a_component_that_is_not_there_is_refused() {
+        assert!(Components::new(Path::new("a"), 3, Some(3)).is_err());
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::error::ReadError;
 use super::open::{Opened, ReadOptions};
 use super::write::Writer;
-use super::{metaimage, nifti, nrrd, raw, zarr};
+use super::{metaimage, nifti, nrrd, raw, vtk, zarr};
 
 /// A format of volume files.
 pub struct Format {
@@ -26,10 +26,12 @@ pub struct Format {
 }
 
 /// All formats; the first that recognises a file reads it.
-pub const FORMATS: [&Format; 5] = [
+pub const FORMATS: [&Format; 7] = [
     &nrrd::FORMAT,
     &nifti::FORMAT,
     &metaimage::FORMAT,
+    &vtk::XML,
+    &vtk::LEGACY,
     &zarr::FORMAT,
     &raw::FORMAT,
 ];

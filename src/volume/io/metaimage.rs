@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
 
-use super::components::{Components, Reading};
+use super::components::Components;
 use super::error::ReadError;
 use super::files;
 use super::format::Format;
@@ -45,7 +45,7 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
     let dims = [size(0), size(1), size(2)];
     let frames = (3..sizes.len()).fold(1, |n: usize, axis| n.saturating_mul(size(axis)));
     let frame = chosen_frame(path, frames, options)?;
-    let components = components(&header, options)?;
+    let components = components(path, &header, options)?;
     let payload = Payload {
         stored: stored(&header)?,
         order: byte_order(&header),
@@ -60,8 +60,8 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         voxel: payload.voxel(),
         world_from_index: world_from_index(&header, sizes.len())?,
         frames,
-        components: components.count,
-        notes: components.note().into_iter().collect(),
+        components: components.count(),
+        notes: components.note(payload.stored).into_iter().collect(),
     };
     let stretches = stretches(path, &header, &payload, &sizes)?;
     Opened::new(path.to_owned(), declared, payload.chunks(path, &stretches, frame)?)
@@ -73,25 +73,21 @@ fn sizes(header: &Header) -> Result<Vec<usize>, ReadError> {
     if !(1..=MAX_DIMENSIONS).contains(&count) {
         return Err(header.bad("NDims", "the header does not say how many dimensions it has (`NDims`)"));
     }
-    header
-        .numbers(&["DimSize"], count)?
-        .ok_or_else(|| header.bad("DimSize", "the header has no `DimSize`"))
+    let sizes: Option<Vec<usize>> = header.numbers(&["DimSize"], count)?;
+    match sizes {
+        Some(sizes) if sizes.contains(&0) => Err(header.bad("DimSize", "an axis cannot have no voxels")),
+        Some(sizes) => Ok(sizes),
+        None => Err(header.bad("DimSize", "the header has no `DimSize`")),
+    }
 }
 
-fn components(header: &Header, options: &ReadOptions) -> Result<Components, ReadError> {
+fn components(path: &Path, header: &Header, options: &ReadOptions) -> Result<Components, ReadError> {
     let count = header.number("ElementNumberOfChannels")?.unwrap_or(1);
     if count == 0 {
         let what = "a voxel cannot have no components";
         return Err(header.bad("ElementNumberOfChannels", what));
     }
-    // Three or four bytes are what ITK writes of colours; vectors have floats.
-    let is_colour = matches!(stored(header)?, Stored::Voxel(VoxelType::U8)) && matches!(count, 3 | 4);
-    let usual = if is_colour {
-        Reading::Luminance
-    } else {
-        Reading::Magnitude
-    };
-    Ok(Components::new(count, usual, options))
+    Components::new(path, count, options.component)
 }
 
 /// The scalars' type. A long is of 32 bits, as MetaIO has it.

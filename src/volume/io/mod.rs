@@ -25,10 +25,12 @@ mod open;
 mod part;
 mod payload;
 pub mod raw;
+mod scalars;
 mod source;
 mod stored;
 mod text;
 mod vti_write;
+mod vtk;
 mod write;
 mod zarr;
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::components::{Components, Reading};
+use super::components::{Components, Rule};
 use super::error::ReadError;
 use super::format::Format;
 use super::gunzip::{GZIP_MAGIC, Gunzip};
@@ -62,8 +62,8 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         voxel: payload.voxel(),
         world_from_index: world_from_index(&header),
         frames: shape.frames,
-        components: components.count,
-        notes: components.note().into_iter().collect(),
+        components: components.count(),
+        notes: components.note(payload.stored).into_iter().collect(),
     };
     let all = stretch(
         &header_path,
@@ -149,20 +149,20 @@ impl Shape {
 struct Scalars {
     stored: Stored,
     count: usize,
-    reading: Reading,
+    rule: Rule,
 }
 
 impl Scalars {
     fn new(path: &Path, header: &Header) -> Result<Self, ReadError> {
-        let several = |voxel, count, reading| Self {
+        let several = |voxel, count, rule| Self {
             stored: Stored::Voxel(voxel),
             count,
-            reading,
+            rule,
         };
         let one = |stored| Self {
             stored,
             count: 1,
-            reading: Reading::One(0),
+            rule: Rule::Component(0),
         };
         let at = if header.kind == Kind::Two { 12 } else { 70 };
         let name = match header.datatype {
@@ -176,10 +176,10 @@ impl Scalars {
             768 => return Ok(one(Stored::Voxel(VoxelType::U32))),
             1024 => return Ok(one(Stored::I64)),
             1280 => return Ok(one(Stored::U64)),
-            32 => return Ok(several(VoxelType::F32, 2, Reading::Magnitude)),
-            1792 => return Ok(several(VoxelType::F64, 2, Reading::Magnitude)),
-            128 => return Ok(several(VoxelType::U8, 3, Reading::Luminance)),
-            2304 => return Ok(several(VoxelType::U8, 4, Reading::Luminance)),
+            32 => return Ok(several(VoxelType::F32, 2, Rule::Length)),
+            1792 => return Ok(several(VoxelType::F64, 2, Rule::Length)),
+            128 => return Ok(several(VoxelType::U8, 3, Rule::Luminance)),
+            2304 => return Ok(several(VoxelType::U8, 4, Rule::Luminance)),
             1 => "single bits",
             1536 => "128-bit floats",
             2048 => "complex numbers of 128-bit floats",
@@ -201,14 +201,16 @@ fn components(
     options: &ReadOptions,
 ) -> Result<Components, ReadError> {
     match (scalars.count, shape.components) {
-        (count, 1) => Ok(Components::new(count, scalars.reading, options)),
+        (count, 1) => Ok(Components::new(path, count, options.component)?.as_rule(scalars.rule)),
         (1, count) => {
             let usual = match COLOUR_INTENTS.contains(&header.intent_code) && count >= 3 {
-                true => Reading::Luminance,
-                false => Reading::Magnitude,
+                true => Rule::Luminance,
+                false => Rule::Length,
             };
             let run = voxel_count(shape.dims).map_err(|e| ReadError::new(path, e))?;
-            Ok(Components::new(count, usual, options).in_runs(run))
+            Ok(Components::new(path, count, options.component)?
+                .as_rule(usual)
+                .in_runs(run))
         }
         (inner, outer) => {
             let what = format!("{outer} components of {inner} numbers each are not read");
@@ -222,7 +224,7 @@ fn components(
 fn rescaling(header: &Header, scalars: &Scalars) -> Option<[f64; 2]> {
     let (slope, intercept) = (header.slope, header.intercept);
     let is_said = slope != 0.0 && slope.is_finite() && intercept.is_finite();
-    let is_colour = scalars.reading == Reading::Luminance;
+    let is_colour = scalars.rule == Rule::Luminance;
     (is_said && !is_colour && (slope, intercept) != (1.0, 0.0)).then_some([slope, intercept])
 }
 
@@ -270,7 +272,6 @@ fn chunks(payload: Payload, path: &Path, all: Stretch, shape: &Shape, frame: usi
     if shape.components == 1 || shape.frames == 1 {
         return payload.chunks(path, &[all], frame);
     }
-    payload.components.check(path)?;
     let run = payload.bytes() / shape.components as u64;
     let all = [all];
     let run_of = |component: usize| {

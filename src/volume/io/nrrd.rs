@@ -37,7 +37,7 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         stored: stored(&header)?,
         order: byte_order(path, &header)?,
         voxels: voxel_count(axes.dims).map_err(|e| ReadError::new(path, e))?,
-        components: axes.components(frame, options),
+        components: axes.components(path, frame, options)?,
         rescaling: None,
     };
     let declared = Declared {
@@ -48,17 +48,17 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         world_from_index: world_from_index(path, &header, &axes)?,
         frames: axes.frames,
         components: axes.components_count(),
-        notes: notes(&header, &axes, options),
+        notes: notes(&header, &axes, &payload),
     };
     let (frame, frames) = axes.slowest_frames(frame);
     let stretches = stretches(path, &header, payload.bytes().saturating_mul(frames as u64))?;
     Opened::new(path.to_owned(), declared, payload.chunks(path, &stretches, frame)?)
 }
 
-fn notes(header: &Header, axes: &Axes, options: &ReadOptions) -> Vec<String> {
+fn notes(header: &Header, axes: &Axes, payload: &Payload) -> Vec<String> {
     let mut notes = Vec::new();
     if axes.components_count() > 1 {
-        notes.extend(axes.components(0, options).note());
+        notes.extend(payload.components.note(payload.stored));
         // A magnitude is the same in every frame that is a rotation of the world's; a component is not.
         if header.get("measurementframe").is_some() {
             notes.push("the measurement frame is left out: components are as they are stored".to_owned());

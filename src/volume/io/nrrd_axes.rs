@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::components::{Components, Reading};
+use super::components::{Components, Rule};
 use super::error::ReadError;
 use super::nrrd_header::Header;
 use super::open::ReadOptions;
@@ -42,6 +42,9 @@ impl Axes {
             let what = format!("`sizes` has {} numbers, `dimension` says another", sizes.len());
             return Err(ReadError::header(path, what).line(field.line));
         }
+        if sizes.contains(&0) {
+            return Err(ReadError::header(path, "an axis cannot have no samples").line(field.line));
+        }
         let spatial = spatial_axes(header, sizes.len())?;
         let mut axes = Self {
             dims: [1; 3],
@@ -68,7 +71,7 @@ impl Axes {
             let is_behind_all = self.spatial.iter().all(|&spatial| spatial < axis);
             let counts_frames = kind == "time" || is_behind_all && SPATIAL_KINDS.contains(&kind);
             match (counts_frames, is_behind_all) {
-                (true, true) => self.frames = self.frames.saturating_mul(size),
+                (true, true) if !self.frames_in_runs => self.frames = self.frames.saturating_mul(size),
                 (counts_frames, _) if !self.frames_in_runs && self.components.is_none() && self.frames == 1 => {
                     let before = self.spatial.iter().filter(|&&spatial| spatial < axis);
                     self.run = before.fold(1, |n: usize, &spatial| n.saturating_mul(sizes[spatial]));
@@ -91,19 +94,15 @@ impl Axes {
     }
 
     /// How the scalars of one volume lie, and what is made of them.
-    pub(super) fn components(&self, frame: usize, options: &ReadOptions) -> Components {
-        if self.frames_in_runs {
-            return Components {
-                count: self.frames,
-                run: self.run,
-                reading: Reading::One(frame),
-            };
+    pub(super) fn components(&self, path: &Path, frame: usize, options: &ReadOptions) -> Result<Components, ReadError> {
+        match &self.components {
+            _ if self.frames_in_runs => Ok(Components::new(path, self.frames, Some(frame))?.in_runs(self.run)),
+            Some(counted) => {
+                let components = Components::new(path, counted.size, options.component)?;
+                Ok(components.as_rule(usual_rule(counted)).in_runs(self.run))
+            }
+            None => Components::new(path, 1, options.component),
         }
-        let (count, usual) = match &self.components {
-            Some(counted) => (counted.size, usual_reading(counted)),
-            None => (1, Reading::One(0)),
-        };
-        Components::new(count, usual, options).in_runs(if count == 1 { 1 } else { self.run })
     }
 
     /// How many numbers a voxel has.
@@ -121,11 +120,11 @@ impl Axes {
 }
 
 /// What is made of the numbers along an axis of components.
-fn usual_reading(counted: &Counted) -> Reading {
+fn usual_rule(counted: &Counted) -> Rule {
     match counted.kind.as_str() {
-        "RGB-color" | "RGBA-color" | "3-color" | "4-color" if counted.size >= 3 => Reading::Luminance,
-        kind if kind.contains("list") || kind.contains("point") || SPATIAL_KINDS.contains(&kind) => Reading::One(0),
-        _ => Reading::Magnitude,
+        "RGB-color" | "RGBA-color" | "3-color" | "4-color" if counted.size >= 3 => Rule::Luminance,
+        kind if kind.contains("list") || kind.contains("point") || SPATIAL_KINDS.contains(&kind) => Rule::Component(0),
+        _ => Rule::Length,
     }
 }
 

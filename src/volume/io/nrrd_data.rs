@@ -27,9 +27,17 @@ pub(super) fn stretches(path: &Path, header: &Header, bytes: u64) -> Result<Vec<
             let what = "the data file that the header names is not there";
             return Err(ReadError::header(&path, what).hint("the header's `data file` names it: put it there"));
         }
+        let start = after_lines(&path, start, lines)?;
+        // Of text the bytes in the file are meant, of compressed data those that it becomes.
+        let (start, skip) = match (coding, skip) {
+            (Coding::Numbers(_) | Coding::Hexadecimal, Skip::Bytes(skip)) => {
+                (start.saturating_add(skip), Skip::Bytes(0))
+            }
+            (_, skip) => (start, skip),
+        };
         Ok(Stretch {
-            start: after_lines(&path, start, lines)?,
             path,
+            start,
             coding,
             skip,
             bytes: bytes / count,

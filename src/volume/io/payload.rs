@@ -2,13 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use bytemuck::Pod;
-
-use super::components::{Components, Reading};
-use super::error::{Problem, ReadError};
+use super::components::Components;
+use super::error::ReadError;
 use super::open::{Chunks, ReadOptions};
 use super::source::{Source, Stretch, section};
-use super::stored::{ByteOrder, Stored};
+use super::stored::{ByteOrder, Stored, decode};
 use crate::volume::grid::Voxels;
 use crate::volume::voxel::{Voxel, VoxelType, for_type};
 
@@ -29,52 +27,10 @@ pub(super) struct Payload {
 /// Bytes of a file's scalars that are handed over at a time: what they take stays in a cache until it is put to use.
 const CHUNK: usize = 1 << 20;
 
-/// Evaluates `$body` with `$T` as the Rust type of `$stored`, as [`Voxels`].
-macro_rules! voxels {
-    ($stored:expr, $T:ident => $body:expr) => {
-        voxels!(@ $stored, $T, $body, U8 u8, I8 i8, U16 u16, I16 i16, U32 u32, I32 i32, F32 f32, F64 f64)
-    };
-    (@ $stored:expr, $T:ident, $body:expr, $($tag:ident $scalar:ident),*) => {
-        match $stored {
-            $(Stored::Voxel(VoxelType::$tag) => {
-                type $T = $scalar;
-                Voxels::$tag($body)
-            })*
-            Stored::I64 => {
-                type $T = i64;
-                Voxels::F64($body.into_iter().map(|v| v as f64).collect())
-            }
-            Stored::U64 => {
-                type $T = u64;
-                Voxels::F64($body.into_iter().map(|v| v as f64).collect())
-            }
-        }
-    };
-}
-
-/// The scalars that `bytes` are, as many as are whole.
-pub(super) fn decoded(stored: Stored, order: ByteOrder, bytes: &[u8]) -> Voxels {
-    fn scalars<T: Pod>(order: ByteOrder, bytes: &[u8]) -> Vec<T> {
-        let whole = bytes.len() - bytes.len() % size_of::<T>();
-        let mut scalars: Vec<T> = bytemuck::pod_collect_to_vec(&bytes[..whole]);
-        turned_round(order, &mut scalars);
-        scalars
-    }
-    voxels!(stored, T => scalars::<T>(order, bytes))
-}
-
-/// Brings the bytes of each scalar into this machine's order.
-fn turned_round<T: Pod>(order: ByteOrder, scalars: &mut [T]) {
-    if order != ByteOrder::NATIVE {
-        let bytes: &mut [u8] = bytemuck::cast_slice_mut(scalars);
-        bytes.chunks_exact_mut(size_of::<T>()).for_each(<[u8]>::reverse);
-    }
-}
-
 impl Payload {
     /// Its bytes, decoded.
     pub(super) fn bytes(&self) -> u64 {
-        let scalars = (self.voxels as u64).saturating_mul(self.components.count as u64);
+        let scalars = (self.voxels as u64).saturating_mul(self.components.count() as u64);
         scalars.saturating_mul(self.stored.bytes() as u64)
     }
 
@@ -89,14 +45,9 @@ impl Payload {
 
     /// The voxels of volume `frame`, of those that follow each other in `stretches`. The file at `path` is the one to name.
     pub(super) fn chunks(self, path: &Path, stretches: &[Stretch], frame: usize) -> Result<Chunks, ReadError> {
-        self.components.check(path)?;
         let from = self.bytes().saturating_mul(frame as u64);
-        match self.components {
-            Components {
-                run,
-                reading: Reading::One(component),
-                ..
-            } if run == self.voxels => {
+        match self.components.chosen() {
+            Some(component) if self.components.run() == self.voxels => {
                 // One run is the whole volume: the others need not be read.
                 let alone = Self {
                     components: Components::SCALAR,
@@ -148,28 +99,25 @@ struct Reader {
 impl Reader {
     /// How many voxels come next: whole runs, of all components.
     fn next_voxels(&self) -> usize {
-        let Components { count, run, .. } = self.payload.components;
+        let (count, run) = (self.payload.components.count(), self.payload.components.run());
         let bytes = run.saturating_mul(count).saturating_mul(self.payload.stored.bytes());
         run.saturating_mul((CHUNK / bytes).max(1)).min(self.left)
     }
 
     fn read(&mut self, voxels: usize) -> Result<Voxels, ReadError> {
-        let scalars = voxels.saturating_mul(self.payload.components.count);
-        let scalars = voxels!(self.payload.stored, T => self.scalars::<T>(scalars)?);
-        Ok(self.payload.components.combine(match self.payload.rescaling {
+        let Payload {
+            stored,
+            order,
+            components,
+            rescaling,
+            ..
+        } = self.payload;
+        let count = voxels.saturating_mul(components.count());
+        let scalars = decode(&self.path, stored, order, count, |bytes| self.source.fill(bytes))?;
+        Ok(components.one(match rescaling {
             Some(by) => rescaled(scalars, by),
             None => scalars,
         }))
-    }
-
-    fn scalars<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, ReadError> {
-        let memory = |_| ReadError::new(&self.path, Problem::Memory(self.payload.bytes()));
-        let mut scalars: Vec<T> = Vec::new();
-        scalars.try_reserve_exact(count).map_err(memory)?;
-        scalars.resize(count, T::zeroed());
-        self.source.fill(bytemuck::cast_slice_mut(&mut scalars))?;
-        turned_round(self.payload.order, &mut scalars);
-        Ok(scalars)
     }
 }
 

@@ -148,16 +148,42 @@ impl Stretch {
 
     /// What `error` means, `found` bytes into the stretch.
     fn error(&self, error: io::Error, found: u64) -> ReadError {
-        let problem = match error.kind() {
-            ErrorKind::UnexpectedEof => return self.truncated(found),
-            ErrorKind::InvalidInput | ErrorKind::InvalidData => match error.downcast::<NoNumber>() {
-                Ok(NoNumber(word)) => Problem::Text(word),
-                Err(error) => Problem::Compressed(error),
-            },
-            _ => Problem::Io(error),
-        };
-        ReadError::new(&self.path, problem)
+        stream_error(&self.path, error, self.bytes, found)
     }
+}
+
+/// What `error` means of a stream of the file at `path`, in which `expected` bytes are declared, `found` bytes into it.
+fn stream_error(path: &Path, error: io::Error, expected: u64, found: u64) -> ReadError {
+    let problem = match error.kind() {
+        ErrorKind::UnexpectedEof => Problem::Truncated { expected, found },
+        ErrorKind::InvalidInput | ErrorKind::InvalidData => match error.downcast::<NoNumber>() {
+            Ok(NoNumber(word)) => Problem::Text(word),
+            Err(error) => Problem::Compressed(error),
+        },
+        _ => Problem::Io(error),
+    };
+    ReadError::new(path, problem)
+}
+
+/// Fills `bytes` from a stream of the file at `path`, in which `expected` bytes are declared, of which `before` came before.
+pub(super) fn fill(
+    path: &Path,
+    stream: &mut dyn Read,
+    bytes: &mut [u8],
+    expected: u64,
+    before: u64,
+) -> Result<(), ReadError> {
+    let mut filled = 0;
+    while filled < bytes.len() {
+        let found = before + filled as u64;
+        match stream.read(&mut bytes[filled..]) {
+            Ok(0) => return Err(ReadError::new(path, Problem::Truncated { expected, found })),
+            Ok(n) => filled += n,
+            Err(e) if e.kind() == ErrorKind::Interrupted => {}
+            Err(e) => return Err(stream_error(path, e, expected, found)),
+        }
+    }
+    Ok(())
 }
 
 /// The `bytes` from `from` on, of what lies in `stretches` one after the other.
@@ -244,7 +270,7 @@ impl Source {
                 Some(stream) => stream,
                 none => none.insert(stretch.open()?),
             };
-            fill_from(stretch, stream, here, self.done)?;
+            fill(&stretch.path, stream, here, stretch.bytes, self.done)?;
             self.done += here.len() as u64;
             if self.done == stretch.bytes {
                 self.close()?;
@@ -266,19 +292,4 @@ impl Source {
             _ => Ok(()),
         }
     }
-}
-
-/// Fills `bytes` from `stream`, which is `before` bytes into its stretch.
-fn fill_from(stretch: &Stretch, stream: &mut dyn Read, bytes: &mut [u8], before: u64) -> Result<(), ReadError> {
-    let mut filled = 0;
-    while filled < bytes.len() {
-        let found = before + filled as u64;
-        match stream.read(&mut bytes[filled..]) {
-            Ok(0) => return Err(stretch.truncated(found)),
-            Ok(n) => filled += n,
-            Err(e) if e.kind() == ErrorKind::Interrupted => {}
-            Err(e) => return Err(stretch.error(e, found)),
-        }
-    }
-    Ok(())
 }

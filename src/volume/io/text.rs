@@ -6,7 +6,6 @@ use std::io::{self, BufRead, ErrorKind, Read};
 use bytemuck::Pod;
 
 use super::stored::{Stored, for_stored};
-use crate::volume::voxel::VoxelType;
 
 /// The most characters of a number.
 const MAX_WORD: usize = 1024;
@@ -145,6 +144,7 @@ mod tests {
     use std::io::BufReader;
 
     use super::*;
+    use crate::volume::VoxelType;
 
     /// All bytes of `text`, read through buffers of `room` bytes.
     fn numbers(text: &str, stored: Stored, room: usize) -> io::Result<Vec<u8>> {

@@ -19,7 +19,7 @@ use super::shard;
 use crate::volume::grid::{Region, Voxels};
 use crate::volume::io::error::{Problem, ReadError};
 use crate::volume::io::part::Part;
-use crate::volume::io::payload;
+use crate::volume::io::stored::decode;
 use crate::volume::voxel::map_type;
 
 /// The most bytes of chunks that are decoded at a time, unless one has more.
@@ -211,12 +211,8 @@ fn elements(array: &Array, file: &Path, bytes: Option<Range<u64>>) -> Result<Vox
     let chain = array.chain();
     let stored = read(file, bytes, 2 * array.unit_bytes() + (1 << 16)).map_err(refused)?;
     let decoded = chain.decode(stored, array.unit_bytes()).map_err(refused)?;
-    let elements = payload::decoded(array.stored, chain.order, &decoded);
-    let (count, found) = (array.unit().iter().product::<usize>(), elements.len());
-    match found < count {
-        true => Err(refused(damaged(format!("it holds {found} elements of {count}")))),
-        false => Ok(elements),
-    }
+    let (count, mut rest) = (array.unit().iter().product(), &*decoded);
+    decode(file, array.stored, chain.order, count, |bytes| rest.read_exact(bytes).map_err(refused))
 }
 
 /// Some bytes of a file, at most `most`.

@@ -1,0 +1,162 @@
+//! VTK XML image data (.vti).
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use super::base64::Base64;
+use super::blocks::Blocks;
+use super::pieces::{Part, in_slices};
+use super::xml_header::{Content, Header};
+use super::{Array, Choice, choose, declared};
+use crate::volume::grid::voxel_count;
+use crate::volume::io::error::{Problem, ReadError};
+use crate::volume::io::format::Format;
+use crate::volume::io::open::{Opened, ReadOptions};
+use crate::volume::io::scalars::{Scalars, Source, Words as Text};
+use crate::volume::io::vti_write;
+
+/// VTK XML image data among the formats.
+pub(in crate::volume::io) const FORMAT: Format = Format {
+    name: "VTK XML",
+    suffixes: &[".vti"],
+    reads: "image data: ascii, base64 and raw, inline and appended; zlib, LZ4, LZMA; values of points or cells",
+    recognises: |probe| !probe.is_folder && (probe.is_named(&FORMAT) || is_vtk_xml(&probe.start)),
+    open: |path, options| Ok(vec![open(path, options)?]),
+    writer: Some(vti_write::WRITER),
+};
+
+fn is_vtk_xml(start: &[u8]) -> bool {
+    start.windows(8).any(|bytes| bytes == b"<VTKFile")
+}
+
+fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
+    let header = Header::read(path)?;
+    let Some(first) = header.pieces.first() else {
+        return Err(ReadError::header(path, "it has no Piece"));
+    };
+    let arrays: Vec<Array> = first.arrays.iter().map(|(array, _)| array.clone()).collect();
+    let choice = choose(path, &arrays, options)?;
+    let declared = declared(FORMAT.name, &arrays, &choice, &header.lattice);
+    voxel_count(declared.dims).map_err(|e| ReadError::new(path, e))?;
+    let parts = (header.pieces.iter())
+        .map(|piece| {
+            let content = content(path, piece, &arrays[choice.index])?;
+            if !header.lattice.extent.contains(&piece.extent) {
+                return Err(ReadError::header(path, "a piece lies outside the image's WholeExtent"));
+            }
+            let scalars = scalars(path, &header, &choice, piece.extent.dims(choice.of), &content)?;
+            Ok(Part {
+                extent: piece.extent,
+                scalars,
+            })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let chunks = match <[Part; 1]>::try_from(parts) {
+        Ok([part]) if part.extent == header.lattice.extent => part.scalars.chunks(choice.components),
+        Ok([part]) => in_slices(path, vec![part], &header.lattice.extent, &choice)?,
+        Err(parts) => in_slices(path, parts, &header.lattice.extent, &choice)?,
+    };
+    Opened::new(path.to_owned(), declared, chunks)
+}
+
+/// Where the data of the piece's array is that is like `wanted`.
+fn content(path: &Path, piece: &super::xml_header::Piece, wanted: &Array) -> Result<Content, ReadError> {
+    let is_it = |array: &Array| array.of == wanted.of && array.name == wanted.name && array.kind == wanted.kind;
+    let found = (piece.arrays.iter()).find(|(array, _)| is_it(array) && array.components == wanted.components);
+    match found {
+        Some((_, content)) => Ok(content.clone()),
+        None => Err(ReadError::header(
+            path,
+            format!("a piece has no array `{}` like the first's", wanted.name),
+        )),
+    }
+}
+
+/// The numbers of a piece of so many voxels.
+fn scalars(
+    path: &Path,
+    header: &Header,
+    choice: &Choice,
+    dims: [usize; 3],
+    content: &Content,
+) -> Result<Scalars, ReadError> {
+    let count = voxel_count(dims).map_err(|e| ReadError::new(path, e))?;
+    let count = count.saturating_mul(choice.components.count());
+    let needed = (count as u64).saturating_mul(choice.stored.bytes() as u64);
+    let io_error = |e| ReadError::io(path, e);
+    let mut file = File::open(path).map_err(io_error)?;
+    let length = file.metadata().map_err(io_error)?.len();
+    let (start, bytes) = match (content, header.appended) {
+        (Content::Ascii(range) | Content::Inline(range), _) => (range.start, range.end - range.start),
+        (Content::Appended(offset), Some(appended)) => {
+            let start = appended.start.saturating_add(*offset);
+            (start, length.saturating_sub(start))
+        }
+        (Content::Appended(_), None) => return Err(ReadError::header(path, "it has no AppendedData")),
+    };
+    let truncated = |found| {
+        ReadError::new(
+            path,
+            Problem::Truncated {
+                expected: needed,
+                found,
+            },
+        )
+        .byte(start)
+    };
+    file.seek(SeekFrom::Start(start)).map_err(io_error)?;
+    let text = BufReader::new(file).take(bytes);
+    let is_base64 = match content {
+        Content::Ascii(_) => {
+            // A number takes a digit and a separator.
+            let text = match bytes.saturating_add(1) / 2 < count as u64 {
+                true => {
+                    return Err(ReadError::header(path, format!("its text has less than {count} numbers")).byte(start));
+                }
+                false => Text::new(Box::new(text)),
+            };
+            return Ok(Scalars::new(path.to_owned(), choice.stored, count, Source::Text(text)));
+        }
+        Content::Inline(_) => true,
+        Content::Appended(_) => header.appended.is_some_and(|appended| appended.is_base64),
+    };
+    let ratio = header.compressor.map_or(1, super::xml_header::Compressor::best_ratio);
+    if needed / ratio > bytes {
+        return Err(truncated(bytes));
+    }
+    let bytes: Box<dyn Read + Send> = match is_base64 {
+        true => Box::new(Base64::new(text)),
+        false => Box::new(text),
+    };
+    let opened = decoded(header, bytes).map_err(|e| match e.kind() {
+        io::ErrorKind::UnexpectedEof => truncated(0),
+        io::ErrorKind::InvalidData => ReadError::new(path, Problem::Compressed(e)).byte(start),
+        _ => ReadError::io(path, e),
+    });
+    match opened? {
+        (declared, _) if declared < needed => Err(truncated(declared)),
+        (declared, _) if declared > needed => {
+            let what = format!("an array has {declared} bytes, where its extent asks for {needed}");
+            Err(ReadError::header(path, what).byte(start))
+        }
+        (_, bytes) => {
+            let source = Source::Binary(bytes, header.words.order);
+            Ok(Scalars::new(path.to_owned(), choice.stored, count, source))
+        }
+    }
+}
+
+/// How many bytes an array declares, and them.
+fn decoded(header: &Header, mut bytes: Box<dyn Read + Send>) -> io::Result<(u64, Box<dyn Read + Send>)> {
+    Ok(match header.compressor {
+        None => {
+            let [declared] = header.words.read(&mut bytes)?;
+            (declared, bytes)
+        }
+        Some(compressor) => {
+            let blocks = Blocks::new(bytes, header.words, compressor)?;
+            (blocks.declared(), Box::new(blocks))
+        }
+    })
+}
