@@ -33,7 +33,7 @@ const COPIES: u64 = 3;
 /// Zarr among the formats.
 pub(super) const FORMAT: Format = Format {
     name: "Zarr",
-    suffixes: &[".zarr", ".zarr/"],
+    suffixes: &[".zarr"],
     reads: "OME-Zarr images and arrays of versions 2 and 3: raw, gzip, zlib, zstd, lz4, blosc; shards",
     recognises: |probe| match probe.is_folder {
         true => probe.is_named(&FORMAT) || DOCUMENTS.iter().any(|name| probe.path.join(name).is_file()),
