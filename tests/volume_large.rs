@@ -6,10 +6,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use glam::DAffine3;
 use rayon::prelude::*;
 use vcsg::volume::io::raw::RawLayout;
-use vcsg::volume::io::{self, Budget, ByteOrder, Opened, ReadOptions};
+use vcsg::volume::io::{self, Budget, ByteOrder, Opened, Problem, ReadOptions};
 use vcsg::volume::{Bricks, VoxelType};
 
 /// What reading may take beside the bricks: the chunk in hand and a file's buffer, and what the allocator keeps of former ones.
@@ -31,12 +33,12 @@ fn peak<T>(work: impl FnOnce() -> T) -> (T, u64) {
     (done, status("VmHWM:") - before)
 }
 
-fn open(path: &Path, dims: [usize; 3], voxel: VoxelType, budget: u64) -> Opened {
+fn open(path: &Path, dims: [usize; 3], voxel: VoxelType, offset: u64, budget: u64) -> Opened {
     let layout = RawLayout {
         dims,
         voxel,
         order: ByteOrder::NATIVE,
-        offset: 0,
+        offset,
         world_from_index: DAffine3::IDENTITY,
     };
     let options = ReadOptions {
@@ -48,7 +50,7 @@ fn open(path: &Path, dims: [usize; 3], voxel: VoxelType, budget: u64) -> Opened 
 }
 
 fn read(path: &Path, dims: [usize; 3], voxel: VoxelType, budget: u64) -> (Bricks, u64) {
-    let opened = open(path, dims, voxel, budget);
+    let opened = open(path, dims, voxel, 0, budget);
     peak(|| opened.bricks().unwrap())
 }
 
@@ -87,23 +89,45 @@ fn constant(path: &Path) {
     assert!(peak < WINDOW, "{peak}");
 }
 
-/// More than 4 GiB, and told how much of it has come.
+/// 64 MiB of voxels behind 4 GiB, and told how much of it has come.
 fn beyond_four_gibibytes(path: &Path) {
-    let dims = [2048, 1024, 2100];
-    let length = dims.iter().product::<usize>() as u64;
-    assert!(length > 4 << 30);
-    sparse_file(path, length, &[(0, 1), (length - 1, 9), ((4 << 30) + 7, 3)]);
+    let dims = [1024, 1024, 64];
+    let (offset, length) = (4 << 30, dims.iter().product::<usize>() as u64);
+    sparse_file(
+        path,
+        offset + length,
+        &[(offset - 1, 7), (offset, 1), (offset + length - 1, 9)],
+    );
     let seen = Arc::new(AtomicU64::new(0));
     let counter = Arc::clone(&seen);
-    let opened = open(path, dims, VoxelType::U8, 16 << 20);
+    let opened = open(path, dims, VoxelType::U8, offset, 1 << 20);
     let opened = opened.watched(move |voxels| {
         counter.fetch_add(voxels, Ordering::Relaxed);
     });
     let (bricks, peak) = peak(|| opened.bricks().unwrap());
     eprintln!("beyond 4 GiB: kept {}, peak {peak}", bricks.bytes());
     assert_eq!(seen.load(Ordering::Relaxed), length);
-    assert_eq!([bricks.voxel(0, 0, 0), bricks.voxel(2047, 1023, 2099)], [1.0, 9.0]);
-    assert_eq!(bricks.voxel(7, 0, 2048), 3.0);
+    assert_eq!([bricks.voxel(0, 0, 0), bricks.voxel(1023, 1023, 63)], [1.0, 9.0]);
+    assert_eq!(bricks.voxel(1, 0, 0), 0.0);
+    assert!(peak < WINDOW, "{peak}");
+}
+
+/// A small file that declares and holds more than reading may take: refused before that is there.
+fn compressed(path: &Path) {
+    let header = "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 512 512 512\nencoding: gzip\n\n";
+    let mut file = File::create(path).unwrap();
+    file.write_all(header.as_bytes()).unwrap();
+    let mut stream = GzEncoder::new(file, Compression::best());
+    let slice = vec![0; 512 * 512];
+    (0..512).for_each(|_| stream.write_all(&slice).unwrap());
+    assert!(stream.finish().unwrap().metadata().unwrap().len() < 1 << 18);
+    let options = ReadOptions {
+        budget: Budget::of_bytes(64 << 20),
+        ..ReadOptions::default()
+    };
+    let (read, peak) = peak(|| io::read_with(path, &options));
+    let error = read.unwrap_err();
+    assert!(matches!(error.problem, Problem::Budget { .. }), "{error}");
     assert!(peak < WINDOW, "{peak}");
 }
 
@@ -116,4 +140,5 @@ fn reading_takes_little_more_than_what_is_kept() {
     constant(&path);
     dense(&path);
     beyond_four_gibibytes(&path);
+    compressed(&folder.path().join("a.nrrd"));
 }

@@ -2,18 +2,18 @@
 //!
 //! *Theory.* What a sparse volume takes shows only once its voxels are there. So bricks are made from voxels as they come, in pieces of
 //! any size and order, and no grid of all of them is held on the way.
-//! *Practice.* A piece goes into each brick that it touches, aprons included, all bricks at a time. A brick holds one value until a
-//! voxel differs from it; then it gets room for all voxels, which have that value until they come. So nothing is held beside the
-//! bricks that stay and the piece in hand, and the bricks depend neither on the pieces nor on the number of threads.
+//! *Practice.* A piece is put in each brick that it touches, aprons included, all bricks at a time. A brick takes room for its voxels
+//! when one differs from the others. So nothing is held beside the bricks that stay and the piece in hand, and the bricks depend
+//! neither on the pieces nor on the number of threads.
 
 use std::ops::Range;
 
 use glam::DAffine3;
-use rayon::prelude::*;
 use thiserror::Error;
 
+use super::put::{Order, Values};
 use super::pyramid::Pyramid;
-use super::typed::{Brick, EDGE, SHIFT, TypedBricks, Y_STRIDE, Z_STRIDE};
+use super::typed::{Brick, EDGE, TypedBricks};
 use super::{BrickStore, Bricks};
 use crate::math::affine;
 use crate::volume::grid::{GridError, Region, Voxels, voxel_count};
@@ -88,7 +88,7 @@ impl BrickBuilder {
             return Err(GridError::Count { expected, found: end }.into());
         }
         for (region, range) in Region::of_range(self.dims, start..end) {
-            self.put_slice(&region, voxels, range.start - start..range.end - start)?;
+            self.put_slice(&region, Order::Grid, voxels, range.start - start..range.end - start)?;
         }
         Ok(())
     }
@@ -98,10 +98,16 @@ impl BrickBuilder {
     /// # Errors
     /// If the bricks take more memory than they may.
     pub fn put(&mut self, region: &Region, voxels: &Voxels) -> Result<(), BuildError> {
-        self.put_slice(region, voxels, 0..voxels.len())
+        self.put_slice(region, Order::Any, voxels, 0..voxels.len())
     }
 
-    fn put_slice(&mut self, region: &Region, voxels: &Voxels, range: Range<usize>) -> Result<(), BuildError> {
+    fn put_slice(
+        &mut self,
+        region: &Region,
+        order: Order,
+        voxels: &Voxels,
+        range: Range<usize>,
+    ) -> Result<(), BuildError> {
         assert_eq!(
             range.len(),
             region.size.iter().product::<usize>(),
@@ -109,14 +115,14 @@ impl BrickBuilder {
         );
         let types = (self.store.voxel_type(), voxels.voxel_type());
         let new = match (&mut self.store, voxels) {
-            (BrickStore::U8(bricks), Voxels::U8(v)) => bricks.put(region, Values::Each(&v[range])),
-            (BrickStore::I8(bricks), Voxels::I8(v)) => bricks.put(region, Values::Each(&v[range])),
-            (BrickStore::U16(bricks), Voxels::U16(v)) => bricks.put(region, Values::Each(&v[range])),
-            (BrickStore::I16(bricks), Voxels::I16(v)) => bricks.put(region, Values::Each(&v[range])),
-            (BrickStore::U32(bricks), Voxels::U32(v)) => bricks.put(region, Values::Each(&v[range])),
-            (BrickStore::I32(bricks), Voxels::I32(v)) => bricks.put(region, Values::Each(&v[range])),
-            (BrickStore::F32(bricks), Voxels::F32(v)) => bricks.put(region, Values::Each(&v[range])),
-            (BrickStore::F64(bricks), Voxels::F64(v)) => bricks.put(region, Values::Each(&v[range])),
+            (BrickStore::U8(bricks), Voxels::U8(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::I8(bricks), Voxels::I8(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::U16(bricks), Voxels::U16(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::I16(bricks), Voxels::I16(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::U32(bricks), Voxels::U32(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::I32(bricks), Voxels::I32(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::F32(bricks), Voxels::F32(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::F64(bricks), Voxels::F64(v)) => bricks.put(region, order, Values::Each(&v[range])),
             _ => panic!("voxels of another type than the grid's: {types:?}"),
         };
         self.count(region, new)
@@ -128,7 +134,7 @@ impl BrickBuilder {
     /// If the bricks take more memory than they may.
     pub fn fill(&mut self, region: &Region, value: f64) -> Result<(), BuildError> {
         fn filled<T: Voxel>(bricks: &mut TypedBricks<T>, region: &Region, value: f64) -> usize {
-            bricks.put(region, Values::All(T::nearest(value)))
+            bricks.put(region, Order::Any, Values::All(T::nearest(value)))
         }
         let new = for_type!(BrickStore, &mut self.store, bricks => filled(bricks, region, value));
         self.count(region, new)
@@ -171,136 +177,11 @@ fn empty_store(dims: [usize; 3], voxel: VoxelType) -> BrickStore {
     }
 }
 
-/// What the voxels of a region are.
-#[derive(Clone, Copy)]
-enum Values<'a, T> {
-    /// These, x fastest.
-    Each(&'a [T]),
-    /// All this.
-    All(T),
-}
-
-impl<T: Voxel> TypedBricks<T> {
-    /// Puts the voxels of `region` in the bricks that they touch: in their own, and in those before it whose aprons they are. How many
-    /// bytes were allocated for them.
-    fn put(&mut self, region: &Region, values: Values<T>) -> usize {
-        let dims = self.dims();
-        let touched = |a: usize| {
-            let last = region.first[a] + region.size[a] - 1;
-            region.first[a].saturating_sub(1) >> SHIFT..(last >> SHIFT) + 1
-        };
-        self.part([touched(0), touched(1), touched(2)])
-            .map(|(b, brick)| {
-                let overlap = |a: usize| Overlap::new(b[a], dims[a], region.first[a], region.size[a]);
-                let overlaps = [overlap(0), overlap(1), overlap(2)];
-                let planes = EDGE.min(dims[2] - (b[2] << SHIFT)) + 1;
-                brick.put(planes, &overlaps, region.size, values)
-            })
-            .sum()
-    }
-}
-
-/// Where a region and a brick meet, along an axis.
-struct Overlap {
-    /// The places in the brick, apron and volume's end included.
-    places: Range<usize>,
-    /// The voxel of the region at the first place.
-    start: usize,
-    /// The last voxel of the region; it is repeated at the places beyond the volume's end.
-    last: usize,
-}
-
-impl Overlap {
-    /// The overlap of the brick at place `b` of an axis of `dim` voxels with `size` voxels from `first` on.
-    fn new(b: usize, dim: usize, first: usize, size: usize) -> Self {
-        let brick = b << SHIFT;
-        let start = first.saturating_sub(brick);
-        let end = match first + size == dim {
-            true => Y_STRIDE,
-            false => Y_STRIDE.min(first + size - brick),
-        };
-        Self {
-            places: start..end,
-            start: brick.saturating_sub(first),
-            last: size - 1,
-        }
-    }
-
-    /// Each place, and the voxel of the region there.
-    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let voxels = self.start..;
-        self.places.clone().zip(voxels.map(|v| v.min(self.last)))
-    }
-}
-
-impl<T: Voxel> Brick<T> {
-    /// Puts the voxels of a region of `size`, which meets the brick of so many planes in the `overlaps`. How many bytes were allocated.
-    fn put(&mut self, planes: usize, overlaps: &[Overlap; 3], size: [usize; 3], values: Values<T>) -> usize {
-        if let Values::All(value) = values
-            && self.is_all(value.regular())
-        {
-            return 0;
-        }
-        let [x, y, z] = overlaps;
-        let places = x.places.clone();
-        let mut allocated = 0;
-        for (plane, k) in z.pairs().take_while(|(plane, _)| *plane < planes) {
-            for (row, j) in y.pairs() {
-                let voxels = match values {
-                    Values::Each(all) => &all[(k * size[1] + j) * size[0]..][..size[0]][x.start..],
-                    Values::All(ref value) => std::slice::from_ref(value),
-                };
-                let voxels = &voxels[..voxels.len().min(places.len())];
-                let place = plane * Z_STRIDE + row * Y_STRIDE + places.start;
-                allocated += self.put_row(planes, place..place + places.len(), voxels);
-            }
-        }
-        allocated
-    }
-
-    /// Whether all voxels that have come, if any, are `value`; then it holds that value.
-    fn is_all(&mut self, value: T) -> bool {
-        if self.is_empty() {
-            *self = Self::Constant(value);
-        }
-        matches!(*self, Self::Constant(v) if is_same(v, value))
-    }
-
-    /// Puts `voxels`, the last one repeated, in some places of a row.
-    fn put_row(&mut self, planes: usize, places: Range<usize>, voxels: &[T]) -> usize {
-        let last = voxels[voxels.len() - 1].regular();
-        if self.is_empty() {
-            *self = Self::Constant(last);
-        }
-        let mut allocated = 0;
-        if let Self::Constant(value) = *self {
-            if voxels.iter().fold(true, |all, v| all & is_same(v.regular(), value)) {
-                return 0;
-            }
-            let voxels = vec![value; planes * Z_STRIDE].into_boxed_slice();
-            allocated = size_of_val(&*voxels);
-            *self = Self::Voxels(voxels);
-        }
-        if let Self::Voxels(all) = self {
-            let (each, beyond) = all[places].split_at_mut(voxels.len());
-            each.iter_mut().zip(voxels).for_each(|(place, v)| *place = v.regular());
-            beyond.fill(last);
-        }
-        allocated
-    }
-}
-
-/// Whether two regular values have the same bits.
-#[inline(always)]
-fn is_same<T: Voxel>(a: T, b: T) -> bool {
-    let are_nan = T::TYPE.is_float() && a.to_f64().is_nan() && b.to_f64().is_nan();
-    a == b || are_nan
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::typed::{SHIFT, Y_STRIDE, Z_STRIDE};
     use super::*;
     use crate::volume::Grid;
 

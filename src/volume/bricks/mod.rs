@@ -9,6 +9,7 @@
 //! sample whose eight voxels include it, whatever its weight.
 
 mod build;
+mod put;
 mod pyramid;
 mod sample;
 mod typed;

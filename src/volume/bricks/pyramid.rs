@@ -95,27 +95,34 @@ impl Pyramid {
     fn hull_within(&self, shift: u32, lo: [usize; 3], hi: [usize; 3]) -> Interval {
         let bits = SHIFT - shift;
         let [first, last] = [lo, hi].map(|cell| cell.map(|c| c >> bits));
-        let bricks = &self.levels[0];
+        if first == last {
+            return self.hull_in(first, shift, lo, hi);
+        }
         let mut hull = Interval::EMPTY;
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
                 for x in first[0]..=last[0] {
                     let brick = [x, y, z];
-                    let index = bricks.index(brick);
-                    let range = match &self.within[index] {
-                        None => bricks.ranges[index],
-                        Some(within) => {
-                            let start = brick.map(|b| b << bits);
-                            let lo = std::array::from_fn(|a| lo[a].max(start[a]) - start[a]);
-                            let hi = std::array::from_fn(|a| (hi[a] - start[a]).min((1 << bits) - 1));
-                            within.hull(shift, lo, hi)
-                        }
-                    };
-                    hull = hull.hull(range);
+                    let start = brick.map(|b| b << bits);
+                    let end = start.map(|s| s + (1 << bits) - 1);
+                    let lo = std::array::from_fn(|a| lo[a].max(start[a]));
+                    let hi = std::array::from_fn(|a| hi[a].min(end[a]));
+                    hull = hull.hull(self.hull_in(brick, shift, lo, hi));
                 }
             }
         }
         hull
+    }
+
+    /// The hull of the cells `lo..=hi` of edge 2 to the `shift`, all of them in one brick.
+    #[inline(always)]
+    fn hull_in(&self, brick: [usize; 3], shift: u32, lo: [usize; 3], hi: [usize; 3]) -> Interval {
+        let index = self.levels[0].index(brick);
+        let mask = (1 << (SHIFT - shift)) - 1;
+        match &self.within[index] {
+            None => self.levels[0].ranges[index],
+            Some(within) => within.hull(shift, lo.map(|c| c & mask), hi.map(|c| c & mask)),
+        }
     }
 
     pub(super) fn bytes(&self) -> usize {

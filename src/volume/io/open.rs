@@ -3,13 +3,16 @@
 //! *Practice.* A reader checks its header and hands the voxels over in the order of the grid, chunk by chunk, when they are asked
 //! for. So who only lists files reads no voxel, and who keeps a volume in another form than the file's never has it twice.
 
-use std::path::PathBuf;
+use std::fs::DirEntry;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
 use super::VolumeInfo;
 use super::budget::Budget;
 use super::error::ReadError;
+use super::gunzip::can_hold;
 use super::part::{Part, Parts, joined};
 use super::raw::RawLayout;
 use crate::math::affine;
@@ -135,10 +138,15 @@ impl Opened {
     /// # Errors
     /// Whatever [`ReadError`] can say of the voxels; if they take more memory than they may.
     pub fn grid(self) -> Result<Grid, ReadError> {
-        self.budget.check(&self.path, self.declared.bytes())?;
+        self.check_at_once()?;
         let Self {
-            declared, path, parts, ..
+            declared,
+            path,
+            parts,
+            budget,
+            ..
         } = self;
+        let parts = parts.map(|part| part.and_then(|part| budget.check(&path, declared.bytes()).map(|()| part)));
         let voxels = joined(&path, declared.dims, declared.voxel, parts)?;
         Grid::new(declared.dims, declared.world_from_index, voxels).map_err(|e| ReadError::new(&path, e))
     }
@@ -176,13 +184,32 @@ impl Opened {
         Ok(self.declared.info(&tally.stats()))
     }
 
-    /// Whether the voxels are within the budget, if they have to be in memory at once.
+    /// Whether the voxels are within the budget, if they come all at once. What the files there cannot hold is left to the reader, which
+    /// knows more of it.
     fn check_at_once(&self) -> Result<(), ReadError> {
-        match self.at_once {
-            true => self.budget.check(&self.path, self.declared.bytes()),
+        let bytes = self.declared.bytes();
+        match self.at_once && can_hold(bytes_beside(&self.path), bytes) {
+            true => self.budget.check(&self.path, bytes),
             false => Ok(()),
         }
     }
+}
+
+/// The bytes of a file and of those in its folder, or of those in a folder.
+fn bytes_beside(path: &Path) -> u64 {
+    let folder = if path.is_dir() {
+        path
+    } else {
+        path.parent().unwrap_or(path)
+    };
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let length = |entry: io::Result<DirEntry>| entry?.metadata().map(|data| data.len());
+    let entries = folder.read_dir().into_iter().flatten();
+    entries.map(|entry| length(entry).unwrap_or(0)).sum()
 }
 
 impl Declared {

@@ -48,7 +48,12 @@ impl Part {
 }
 
 /// The voxels of a grid of `dims`, all of which come in `parts`; the file at `path` is named where there is no memory for them.
-pub(super) fn joined(path: &Path, dims: [usize; 3], voxel: VoxelType, parts: Parts) -> Result<Voxels, ReadError> {
+pub(super) fn joined(
+    path: &Path,
+    dims: [usize; 3],
+    voxel: VoxelType,
+    parts: impl Iterator<Item = Result<Part, ReadError>>,
+) -> Result<Voxels, ReadError> {
     let memory = |bytes| ReadError::new(path, Problem::Memory(bytes));
     let count = voxel_count(dims).map_err(|e| ReadError::new(path, e))?;
     let mut all = Voxels::none(voxel);

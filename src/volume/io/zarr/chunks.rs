@@ -17,13 +17,17 @@ use super::codec::damaged;
 use super::listing::present;
 use super::shard;
 use crate::volume::grid::{Region, Voxels};
+use crate::volume::io::budget::Budget;
 use crate::volume::io::error::{Problem, ReadError};
 use crate::volume::io::part::Part;
 use crate::volume::io::stored::decode;
 use crate::volume::voxel::map_type;
 
 /// The most bytes of chunks that are decoded at a time, unless one has more.
-const BATCH: usize = 64 << 20;
+const BATCH: u64 = 64 << 20;
+
+/// How often a chunk is held at most: as its file has it, decoded, and in the volume's order.
+pub(super) const COPIES: u64 = 3;
 
 /// The volume that is read of an array.
 #[derive(Clone, Debug)]
@@ -71,6 +75,8 @@ pub(super) struct Chunks {
     selection: Selection,
     /// Chunks along the volume's axes.
     grid: [usize; 3],
+    /// How many chunks are decoded at a time.
+    batch: usize,
     /// How many of the grid's chunks are done.
     done: usize,
     /// Where the others that are there are in the grid, the last one first; `None` before the folder is looked at.
@@ -85,11 +91,13 @@ pub(super) fn place(n: usize, [nx, ny, _]: [usize; 3]) -> [usize; 3] {
 }
 
 impl Chunks {
-    /// The parts of what is selected of `array`.
-    pub fn new(array: Array, selection: Selection) -> Self {
+    /// The parts of what is selected of `array`. Those that are held at a time take at most half of `budget`, unless one takes more.
+    pub fn new(array: Array, selection: Selection, budget: Budget) -> Self {
+        let most = BATCH.min(budget.bytes() / (2 * COPIES)) as usize;
         let (dims, chunk) = (selection.of(&array.shape), selection.of(&array.chunk));
         Self {
             grid: std::array::from_fn(|a| dims[a].div_ceil(chunk[a])),
+            batch: (most / array.unit_bytes().max(1)).clamp(1, 4 * rayon::current_num_threads()),
             array: Arc::new(array),
             selection,
             done: 0,
@@ -149,11 +157,10 @@ impl Chunks {
 
     /// Reads the next chunks, at most as many as are decoded at a time.
     fn read(&mut self) -> Result<(), ReadError> {
-        let batch = (BATCH / self.array.unit_bytes().max(1)).clamp(1, 4 * rayon::current_num_threads());
-        while self.waiting.len() < batch && self.done < self.chunk_count() {
+        while self.waiting.len() < self.batch && self.done < self.chunk_count() {
             self.look()?;
         }
-        let batch: Vec<_> = self.waiting.drain(..batch.min(self.waiting.len())).collect();
+        let batch: Vec<_> = self.waiting.drain(..self.batch.min(self.waiting.len())).collect();
         let parts = batch
             .into_par_iter()
             .map(|chunk| part(&self.array, &self.selection, chunk));

@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::volume::io::error::ReadError;
 
 /// The most bytes of a document: consolidated metadata of many arrays are some megabytes.
-const MAX_BYTES: u64 = 64 << 20;
+const MAX_BYTES: u64 = 16 << 20;
 
 /// A document, and where it is from.
 #[derive(Debug)]

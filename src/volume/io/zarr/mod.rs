@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use self::array::Array;
-use self::chunks::{Chunks, Selection};
+use self::chunks::{COPIES, Chunks, Selection};
 use self::image::{Axis, Image, Kind};
 use self::json::Document;
 use super::error::ReadError;
@@ -27,13 +27,10 @@ use super::open::{Declared, Opened, ReadOptions};
 /// The files that tell that a folder is of a Zarr hierarchy.
 const DOCUMENTS: [&str; 4] = ["zarr.json", ".zarray", ".zgroup", ".zattrs"];
 
-/// How often the bytes of what is decoded as a whole are held at most: in its file, decoded, and in the volume's order.
-const COPIES: u64 = 3;
-
 /// Zarr among the formats.
 pub(super) const FORMAT: Format = Format {
     name: "Zarr",
-    suffixes: &[".zarr", ".zarr/"],
+    suffixes: &[".zarr"],
     reads: "OME-Zarr images and arrays of versions 2 and 3: raw, gzip, zlib, zstd, lz4, blosc; shards",
     recognises: |probe| match probe.is_folder {
         true => probe.is_named(&FORMAT) || DOCUMENTS.iter().any(|name| probe.path.join(name).is_file()),
@@ -178,7 +175,7 @@ fn open_array(
         notes,
     };
     let path = array.path.clone();
-    Opened::in_parts(path, declared, Box::new(Chunks::new(array, selection)))
+    Opened::in_parts(path, declared, Box::new(Chunks::new(array, selection, options.budget)))
 }
 
 /// The volume of an array that `options` name.
