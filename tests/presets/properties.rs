@@ -112,13 +112,9 @@ fn our_points_are_vtks_functions() {
             let three = |of: &dyn Fn(usize) -> f64| [of(3 * i), of(3 * i + 1), of(3 * i + 2)];
             let theirs = three(&|n| truth.opacity[n]);
             prop_assert!(near(opacity, theirs), "opacity at {value}: {opacity}, not {theirs:?}");
-            for c in 0..3 {
+            for (c, ours) in color.into_iter().enumerate() {
                 let theirs = three(&|n| truth.color[n][c]);
-                prop_assert!(
-                    near(color[c], theirs),
-                    "colour {c} at {value}: {}, not {theirs:?}",
-                    color[c]
-                );
+                prop_assert!(near(ours, theirs), "colour {c} at {value}: {}, not {theirs:?}", ours);
             }
         }
         Ok(())
