@@ -16,7 +16,7 @@ pub(super) const OPACITY_BEND: f64 = 1.0;
 
 /// A node of VTK's functions: a value, what the function is there, and how it goes on to the next node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Node<const N: usize> {
+pub(super) struct Node<const N: usize> {
     /// The value.
     pub x: f64,
     /// What the function is there.
