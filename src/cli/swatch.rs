@@ -47,16 +47,7 @@ pub(super) fn write(
 ) -> Result<(), CliError> {
     let device = Device::open(&Instance::new(Validation::Off)?, device, &SliceRenderer::REQUIREMENTS)?;
     let mut renderer = SliceRenderer::new(&device)?;
-    let mut subjects = volumes
-        .iter()
-        .map(|path| Subject::of(Scene::open(path, &ReadOptions::default(), &mut VolumeFiles)?))
-        .chain([Subject::of(Scene::parse(
-            "phantom.kdl",
-            PHANTOM,
-            ".".as_ref(),
-            &mut NoVolumes,
-        )?)])
-        .collect::<Result<Vec<_>, CliError>>()?;
+    let mut subjects = subjects(presets, volumes)?;
     let columns = COLUMNS.min(presets.len() as u32).max(1);
     let rows = (presets.len() as u32).div_ceil(columns);
     let mut sheet = Frame::transparent(columns * CELL[0], rows * CELL[1]).over([PAPER[0], PAPER[1], PAPER[2]]);
@@ -66,13 +57,25 @@ pub(super) fn write(
         write_text(&mut sheet, at(GAP, GAP), preset.name());
         paste(&mut sheet, at(GAP, 2 * GAP + LETTER), &ramp(preset));
         let suited = subjects.iter().position(|subject| subject.suits(preset));
-        let phantom = subjects.len() - 1;
+        let phantom = subjects.len().saturating_sub(1);
         if let Some(subject) = subjects.get_mut(suited.unwrap_or(phantom)) {
             let drawn = subject.draw(preset, &mut renderer)?;
             paste(&mut sheet, at(2 * GAP + PICTURE[0], 2 * GAP + LETTER), &drawn);
         }
     }
     Ok(save(&sheet, picture, &[("Software", "vcsg")])?)
+}
+
+/// The volumes, and the phantom as the last if a preset has none that suits it.
+fn subjects(presets: &[&Preset], volumes: &[PathBuf]) -> Result<Vec<Subject>, CliError> {
+    let opened = |path: &PathBuf| Subject::of(Scene::open(path, &ReadOptions::default(), &mut VolumeFiles)?);
+    let mut subjects = volumes.iter().map(opened).collect::<Result<Vec<_>, _>>()?;
+    let lacks_one = |preset: &&Preset| !subjects.iter().any(|subject| subject.suits(preset));
+    if presets.iter().any(lacks_one) {
+        let phantom = Scene::parse("phantom.kdl", PHANTOM, ".".as_ref(), &mut NoVolumes)?;
+        subjects.push(Subject::of(phantom)?);
+    }
+    Ok(subjects)
 }
 
 /// What a preset is drawn with, on the device as each kind of shading needs it.

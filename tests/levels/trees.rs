@@ -12,14 +12,14 @@ use vcsg::target::{Levels, Target};
 use crate::frames::{FOG_MM, FOG_OPACITY, Look, draw, draw_one, largest_change, subdivision};
 use crate::row::eye_at;
 
-/// Fog, from 20 mm behind the eye on.
-const FOG: &str = "box min=\"-90 -20 -90\" max=\"90 150 90\"";
+/// Fog, from 20 mm behind the eye on, and wide enough for the rays in its middle on every level.
+const FOG: &str = "box min=\"-30 -20 -30\" max=\"30 150 30\"";
 
 const PAIRS: &str = "
-    pair from=\"-90 -20 -90\" to=\"-90 -20 -90\"
-    pair from=\"90 -20 90\" to=\"90 -20 90\"
-    pair from=\"-90 150 90\" to=\"-90 150 90\"
-    pair from=\"90 150 -90\" to=\"90 152 -92\"
+    pair from=\"-30 -20 -30\" to=\"-30 -20 -30\"
+    pair from=\"30 -20 30\" to=\"30 -20 30\"
+    pair from=\"-30 150 30\" to=\"-30 150 30\"
+    pair from=\"30 150 -30\" to=\"30 152 -32\"
     pair from=\"0 70 0\" to=\"5 78 3\"
     pair from=\"0 150 0\" to=\"-4 158 2\"";
 
@@ -35,7 +35,7 @@ fn colored_fog() -> Model {
     parsed(&format!(
         "scene {{ union rule=\"over\" family=\"product\" {{
             classify {{ point 1 opacity={FOG_OPACITY} color=\"#c08040\"; {FOG} }}
-            classify unit-mm=2 {{ point 1 opacity={FOG_OPACITY} color=\"#4080c0\"; box min=\"-90 80 -90\" max=\"90 150 90\" }}
+            classify unit-mm=2 {{ point 1 opacity={FOG_OPACITY} color=\"#4080c0\"; box min=\"-30 80 -30\" max=\"30 150 30\" }}
         }} }}"
     ))
 }
@@ -47,8 +47,8 @@ fn deformed(inner: &str) -> Model {
 /// Fog where a mask of 10 mm wide voxels says so. The folder holds the mask's file.
 fn masked_fog() -> (TempDir, Model) {
     let folder = tempfile::tempdir().unwrap();
-    let header = "NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\nsizes: 18 17 18\nspace directions: (10,0,0) (0,10,0) (0,0,10)\nspace origin: (-85,-15,-85)\nencoding: raw\n\n";
-    let bytes = [header.as_bytes(), &[1; 18 * 17 * 18]].concat();
+    let header = "NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\nsizes: 6 17 6\nspace directions: (10,0,0) (0,10,0) (0,0,10)\nspace origin: (-25,-15,-25)\nencoding: raw\n\n";
+    let bytes = [header.as_bytes(), &[1; 6 * 17 * 6]].concat();
     std::fs::write(folder.path().join("mask.nrrd"), bytes).unwrap();
     let scene = Scene::parse("a.kdl", "scene { mask \"mask.nrrd\" }", folder.path(), &mut VolumeFiles);
     (folder, scene.expect("a scene").model)
@@ -80,7 +80,7 @@ fn assert_alike(what: &str, [one, several]: [[f32; 4]; 2], bound: f64) {
 #[test]
 fn one_level_of_any_tree_is_the_target_alone() {
     let (_folder, masked) = masked_fog();
-    let ball = deformed("sphere radius=40 center=\"0 60 0\"");
+    let ball = deformed("sphere radius=20 center=\"0 60 0\"");
     let camera = eye_at(-400.0, 48);
     for (what, model) in [("colours", colored_fog()), ("a deformation", ball), ("a mask", masked)] {
         for mode in MODES {

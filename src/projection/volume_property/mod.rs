@@ -12,8 +12,8 @@ mod text;
 use std::io::Write;
 use std::path::Path;
 
-pub use self::curve::{BEND_ERROR, Node};
-use self::curve::{COLOR_BEND, OPACITY_BEND, Polyline};
+pub use self::curve::BEND_ERROR;
+use self::curve::{COLOR_BEND, Node, OPACITY_BEND, Polyline};
 use super::presets::Look;
 use super::{ControlPoint, Material, Mode, TransferFunction};
 use crate::output::write_whole;
