@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ReadError;
 use super::open::{Opened, ReadOptions};
-use super::{nifti, nrrd, raw, vtk};
+use super::{nifti, nrrd, raw, slices, tiff, volpack, vtk};
 
 /// A format of volume files.
 pub struct Format {
@@ -23,7 +23,16 @@ pub struct Format {
 }
 
 /// All formats; the first that recognises a file reads it.
-pub const FORMATS: [&Format; 5] = [&nrrd::FORMAT, &nifti::FORMAT, &vtk::XML, &vtk::LEGACY, &raw::FORMAT];
+pub const FORMATS: [&Format; 8] = [
+    &nrrd::FORMAT,
+    &nifti::FORMAT,
+    &vtk::XML,
+    &vtk::LEGACY,
+    &tiff::FORMAT,
+    &slices::FORMAT,
+    &volpack::FORMAT,
+    &raw::FORMAT,
+];
 
 /// What tells a file's format.
 pub(super) struct Probe {

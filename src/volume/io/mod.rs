@@ -12,7 +12,11 @@ mod nrrd_write;
 mod open;
 mod payload;
 pub mod raw;
+mod raw_guess;
 mod scalars;
+mod slices;
+mod tiff;
+mod volpack;
 mod vtk;
 
 use std::path::Path;

@@ -10,6 +10,7 @@ use super::error::ReadError;
 use super::format::Format;
 use super::open::{Declared, Opened};
 use super::payload::{ByteOrder, Payload, Stored};
+use super::raw_guess;
 use crate::volume::grid::{Voxels, voxel_count};
 use crate::volume::voxel::VoxelType;
 
@@ -36,8 +37,7 @@ pub(super) const FORMAT: Format = Format {
     recognises: |probe| !probe.is_folder && (probe.has_layout || probe.is_named(&FORMAT)),
     open: |path, options| match &options.raw {
         Some(layout) => Ok(vec![open(path, layout)?]),
-        None => Err(ReadError::unsupported(path, "a raw file does not say what it holds")
-            .hint("give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it")),
+        None => Err(ReadError::unsupported(path, "a raw file does not say what it holds").hint(raw_guess::hint(path))),
     },
 };
 
