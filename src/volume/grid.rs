@@ -81,7 +81,10 @@ impl Voxels {
             (Self::I32(v), Self::I32(from)) => v[to].copy_from_slice(&from[range]),
             (Self::F32(v), Self::F32(from)) => v[to].copy_from_slice(&from[range]),
             (Self::F64(v), Self::F64(from)) => v[to].copy_from_slice(&from[range]),
-            (to, from) => panic!("voxels of two types put together: {:?}", (to.voxel_type(), from.voxel_type())),
+            (to, from) => panic!(
+                "voxels of two types put together: {:?}",
+                (to.voxel_type(), from.voxel_type())
+            ),
         }
     }
 

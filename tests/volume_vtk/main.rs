@@ -3,6 +3,7 @@
 
 mod damage;
 mod hand_made;
+mod hand_made_samples;
 mod oracle;
 mod real;
 mod written;

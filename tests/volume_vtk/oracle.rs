@@ -39,7 +39,10 @@ impl Oracle {
         let seen = self.seen();
         let mut values = vec![0.0; seen.count];
         let bytes = bytemuck::cast_slice_mut(&mut values);
-        self.0.answers.read_exact(bytes).expect("the oracle answers; see its message above");
+        self.0
+            .answers
+            .read_exact(bytes)
+            .expect("the oracle answers; see its message above");
         (seen, values)
     }
 

@@ -57,7 +57,11 @@ fn values(kind: &str, count: usize) -> (Vec<u8>, Vec<f64>) {
     for i in 0..count {
         macro_rules! put {
             ($T:ident) => {{
-                let v = if stringify!($T).starts_with('f') { number(i) / 7.0 - 9000.0 } else { number(i) } as $T;
+                let v = if stringify!($T).starts_with('f') {
+                    number(i) / 7.0 - 9000.0
+                } else {
+                    number(i)
+                } as $T;
                 bytes.extend(v.to_le_bytes());
                 numbers.push(v as f64);
             }};
@@ -94,19 +98,33 @@ fn check(oracle: &mut Oracle, folder: &TempDir, case: &Case) {
             ..named("some values")
         };
         let volume = io::read_with(&path, &options).unwrap_or_else(|e| panic!("{request}: {e}"));
-        let expected: Vec<_> = numbers.iter().copied().skip(component).step_by(case.components).collect();
+        let expected: Vec<_> = numbers
+            .iter()
+            .copied()
+            .skip(component)
+            .step_by(case.components)
+            .collect();
         assert_eq!(f64s(volume.grid.voxels()), expected, "{request}");
         assert_eq!(volume.components, case.components);
         let expected = if case.of == "points" { [5, 4, 3] } else { [4, 3, 2] };
         assert_eq!(volume.grid.dims(), expected, "{request}");
-        assert_eq!(volume.grid.world_from_index().translation.to_array(), seen.first, "{request}");
+        assert_eq!(
+            volume.grid.world_from_index().translation.to_array(),
+            seen.first,
+            "{request}"
+        );
     }
 }
 
 /// All that the XML writer can do, but for the kinds of values.
 fn xml_writers() -> Vec<Value> {
     let mut all = Vec::new();
-    for (mode, encode) in [("ascii", true), ("binary", true), ("appended", true), ("appended", false)] {
+    for (mode, encode) in [
+        ("ascii", true),
+        ("binary", true),
+        ("appended", true),
+        ("appended", false),
+    ] {
         for compressor in [None, Some("zlib"), Some("lz4"), Some("lzma")] {
             for wide in [false, true] {
                 for order in ["little", "big"] {
@@ -128,7 +146,16 @@ fn every_variant_of_xml_is_read() {
         let (kind, _) = TYPES[number % TYPES.len()];
         for of in ["points", "cells"] {
             let (components, writer) = (1 + number % 3, writer.clone());
-            check(&mut oracle, &folder, &Case { kind, components, of, writer });
+            check(
+                &mut oracle,
+                &folder,
+                &Case {
+                    kind,
+                    components,
+                    of,
+                    writer,
+                },
+            );
         }
     }
 }
@@ -138,7 +165,12 @@ fn every_type_of_xml_is_read() {
     let (mut oracle, folder) = (Oracle::start(), folder());
     for (kind, _) in TYPES {
         for writer in xml_writers().into_iter().step_by(3) {
-            let case = Case { kind, components: 1, of: "points", writer };
+            let case = Case {
+                kind,
+                components: 1,
+                of: "points",
+                writer,
+            };
             check(&mut oracle, &folder, &case);
         }
     }
@@ -153,7 +185,12 @@ fn pieces_are_put_together() {
                 "writer": "xml", "mode": "appended", "encode": false, "compressor": "zlib", "wide": true, "order": "little",
                 "block": 32768, "pieces": pieces,
             });
-            let case = Case { kind: "u16", components: 2, of, writer };
+            let case = Case {
+                kind: "u16",
+                components: 2,
+                of,
+                writer,
+            };
             check(&mut oracle, &folder, &case);
         }
     }
@@ -167,7 +204,16 @@ fn every_variant_of_legacy_files_is_read() {
             for of in ["points", "cells"] {
                 for components in [1, 3] {
                     let writer = json!({"writer": "legacy", "binary": binary, "version": version});
-                    check(&mut oracle, &folder, &Case { kind, components, of, writer });
+                    check(
+                        &mut oracle,
+                        &folder,
+                        &Case {
+                            kind,
+                            components,
+                            of,
+                            writer,
+                        },
+                    );
                 }
             }
         }

@@ -103,7 +103,10 @@ mod tests {
     #[test]
     fn colours_are_their_luminance() {
         let rgba = Voxels::U8(vec![255, 0, 0, 7, 0, 255, 0, 7, 0, 0, 255, 7, 255, 255, 255, 7]);
-        assert_eq!(components(4, None).one(rgba.clone()), Voxels::U8(vec![54, 182, 18, 255]));
+        assert_eq!(
+            components(4, None).one(rgba.clone()),
+            Voxels::U8(vec![54, 182, 18, 255])
+        );
         assert_eq!(components(4, Some(3)).one(rgba), Voxels::U8(vec![7; 4]));
         assert_eq!(components(3, None).voxel(VoxelType::U16), VoxelType::U16);
     }

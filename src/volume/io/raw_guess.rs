@@ -49,8 +49,13 @@ pub(super) fn hint(path: &Path) -> String {
     let bytes = path.metadata().map_or(0, |file| file.len());
     let offers: Vec<_> = offers(&name, bytes).iter().map(Offer::options).collect();
     match &offers[..] {
-        [] => format!("say what its {bytes} bytes are, with --raw-dims, --raw-type and --raw-spacing, or write a NRRD header (.nhdr) beside it: size, voxel type, spacing"),
-        offers => format!("its size, voxel type and spacing have to be said; by its name and {bytes} bytes it may be: {}", offers.join(", or ")),
+        [] => format!(
+            "say what its {bytes} bytes are, with --raw-dims, --raw-type and --raw-spacing, or write a NRRD header (.nhdr) beside it: size, voxel type, spacing"
+        ),
+        offers => format!(
+            "its size, voxel type and spacing have to be said; by its name and {bytes} bytes it may be: {}",
+            offers.join(", or ")
+        ),
     }
 }
 
@@ -77,14 +82,21 @@ impl Offer {
 
 /// Layouts that a file of this name and size may have, the likeliest first: what its name says, else cubes, else squares.
 fn offers(name: &str, bytes: u64) -> Vec<Offer> {
-    let named_type = (words(name)).find_map(|word| TYPES.iter().find(|(known, _)| *known == word).map(|(_, voxel)| *voxel));
+    let named_type =
+        (words(name)).find_map(|word| TYPES.iter().find(|(known, _)| *known == word).map(|(_, voxel)| *voxel));
     let types: Vec<_> = named_type.map_or(LIKELY.to_vec(), |voxel| vec![voxel]);
     let mut offers = Vec::new();
     if let Some(dims) = dims(name) {
-        let size = |voxel: VoxelType| dims.iter().try_fold(voxel.bytes() as u64, |n, &d| n.checked_mul(d as u64));
+        let size = |voxel: VoxelType| {
+            dims.iter()
+                .try_fold(voxel.bytes() as u64, |n, &d| n.checked_mul(d as u64))
+        };
         let fits = |voxel: &VoxelType| size(*voxel).is_some_and(|size| 0 < size && size <= bytes);
         // The widest type that fits leaves the fewest bytes.
-        let best = types.iter().filter(|voxel| fits(voxel)).max_by_key(|voxel| voxel.bytes());
+        let best = types
+            .iter()
+            .filter(|voxel| fits(voxel))
+            .max_by_key(|voxel| voxel.bytes());
         offers.extend(best.and_then(|&voxel| {
             let skip = bytes - size(voxel)?;
             Some(Offer { dims, voxel, skip })
@@ -94,7 +106,11 @@ fn offers(name: &str, bytes: u64) -> Vec<Offer> {
     let exact = |[x, y]: [usize; 2], voxel: VoxelType| {
         let slice = (x * y * voxel.bytes()) as u64;
         let slices = (bytes / slice) as usize;
-        (bytes % slice == 0 && slices > 1).then_some(Offer { dims: [x, y, slices], voxel, skip: 0 })
+        (bytes % slice == 0 && slices > 1).then_some(Offer {
+            dims: [x, y, slices],
+            voxel,
+            skip: 0,
+        })
     };
     for &voxel in &types {
         let side = ((bytes / voxel.bytes() as u64) as f64).cbrt().round() as usize;
@@ -134,16 +150,31 @@ mod tests {
 
     #[test]
     fn names_that_carry_sizes_are_believed_if_they_fit() {
-        assert_eq!(options("bolt_uint8_70x123x66.raw", 568_260), ["--raw-dims 70,123,66 --raw-type u8"]);
-        assert_eq!(options("stent_int16_128x128x256.raw", 8 << 20), ["--raw-dims 128,128,256 --raw-type i16"]);
-        assert_eq!(options("a-4x4x4.raw", 256 + 10), ["--raw-dims 4,4,4 --raw-type f32 --raw-skip 10"]);
+        assert_eq!(
+            options("bolt_uint8_70x123x66.raw", 568_260),
+            ["--raw-dims 70,123,66 --raw-type u8"]
+        );
+        assert_eq!(
+            options("stent_int16_128x128x256.raw", 8 << 20),
+            ["--raw-dims 128,128,256 --raw-type i16"]
+        );
+        assert_eq!(
+            options("a-4x4x4.raw", 256 + 10),
+            ["--raw-dims 4,4,4 --raw-type f32 --raw-skip 10"]
+        );
         assert!(options("a_uint8_70x123x66.raw", 1000).is_empty());
     }
 
     #[test]
     fn sizes_alone_tell_cubes_and_squares() {
-        assert_eq!(options("neghip.raw", 66 * 66 * 66), ["--raw-dims 66,66,66 --raw-type u8"]);
-        assert_eq!(options("a.raw", 256 * 256 * 109)[0], "--raw-dims 256,256,109 --raw-type u8");
+        assert_eq!(
+            options("neghip.raw", 66 * 66 * 66),
+            ["--raw-dims 66,66,66 --raw-type u8"]
+        );
+        assert_eq!(
+            options("a.raw", 256 * 256 * 109)[0],
+            "--raw-dims 256,256,109 --raw-type u8"
+        );
         assert!(options("a.raw", 0).is_empty());
         assert!(options("a.raw", 1_000_003).is_empty());
     }

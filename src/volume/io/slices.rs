@@ -120,7 +120,11 @@ fn files(path: &Path) -> std::io::Result<(Vec<PathBuf>, usize)> {
     let mut kinds = [const { Vec::new() }; KINDS.len()];
     for entry in path.read_dir()? {
         let file = entry?.path();
-        let name = file.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let name = file
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .to_ascii_lowercase();
         let kind = KINDS.iter().position(|ends| ends.iter().any(|end| name.ends_with(end)));
         if let (Some(kind), false) = (kind, name.starts_with('.')) {
             kinds[kind].push((name, file));
@@ -173,7 +177,10 @@ fn picture(path: &Path, component: Option<usize>) -> Result<(Picture, [Option<f6
         ImageError::Limits(_) => ReadError::new(path, Problem::Unsupported("it is too large an image".to_owned())),
         e => ReadError::header(path, e.to_string()).hint("copy or export it again"),
     })?;
-    let (dims, count) = ([image.width() as usize, image.height() as usize], image.color().channel_count());
+    let (dims, count) = (
+        [image.width() as usize, image.height() as usize],
+        image.color().channel_count(),
+    );
     let numbers = match image {
         DynamicImage::ImageLuma8(image) => Voxels::U8(image.into_raw()),
         DynamicImage::ImageLumaA8(image) => Voxels::U8(image.into_raw()),
@@ -183,7 +190,12 @@ fn picture(path: &Path, component: Option<usize>) -> Result<(Picture, [Option<f6
         DynamicImage::ImageLumaA16(image) => Voxels::U16(image.into_raw()),
         DynamicImage::ImageRgb16(image) => Voxels::U16(image.into_raw()),
         DynamicImage::ImageRgba16(image) => Voxels::U16(image.into_raw()),
-        other => return Err(ReadError::unsupported(path, format!("pixels of {:?} are not read", other.color()))),
+        other => {
+            return Err(ReadError::unsupported(
+                path,
+                format!("pixels of {:?} are not read", other.color()),
+            ));
+        }
     };
     // Of grey with an opacity, the grey.
     let chosen = component.or((count == 2).then_some(0));
@@ -203,7 +215,10 @@ mod tests {
     fn numbers_in_names_are_numbers() {
         let mut names = ["s10.png", "s2.png", "s1.png", "s02b.png", "r9.png", "s2.png.png"];
         names.sort_by(|a, b| natural(a, b));
-        assert_eq!(names, ["r9.png", "s1.png", "s2.png", "s2.png.png", "s02b.png", "s10.png"]);
+        assert_eq!(
+            names,
+            ["r9.png", "s1.png", "s2.png", "s2.png.png", "s02b.png", "s10.png"]
+        );
         assert_eq!(natural("a1", "a01"), natural("a1", "a01"));
         assert_eq!(natural("a1", "a1"), Ordering::Equal);
     }

@@ -59,7 +59,10 @@ fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
     let dims: [usize; 3] = std::array::from_fn(|axis| number(LENGTHS + 2 * axis, 2));
     let count = voxel_count(dims).map_err(|e| ReadError::new(path, e).byte(LENGTHS as u64))?;
     if number(COUNT, 4) != count {
-        let what = format!("its size {dims:?} and its number of voxels, {}, differ", number(COUNT, 4));
+        let what = format!(
+            "its size {dims:?} and its number of voxels, {}, differ",
+            number(COUNT, 4)
+        );
         return Err(ReadError::header(path, what).byte(COUNT as u64));
     }
     let declared = Declared {

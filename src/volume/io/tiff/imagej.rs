@@ -10,7 +10,11 @@ pub(super) fn stack(description: &str, pages: &Pages) -> Option<Stack> {
     if !description.starts_with("ImageJ=") {
         return None;
     }
-    let value = |key: &str| description.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix('='));
+    let value = |key: &str| {
+        description
+            .lines()
+            .find_map(|line| line.strip_prefix(key)?.strip_prefix('='))
+    };
     let number = |key: &str| value(key).and_then(|text| text.trim().parse::<usize>().ok());
     let count = |key: &str| number(key).unwrap_or(1).max(1);
     let images = number("images").unwrap_or(1).max(pages.count());

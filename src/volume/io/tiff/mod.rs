@@ -36,7 +36,9 @@ pub(super) const FORMAT: Format = Format {
 };
 
 fn is_tiff(start: &[u8]) -> bool {
-    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"]
+        .iter()
+        .any(|magic| start.starts_with(*magic))
 }
 
 /// How a file's pages are a volume.
@@ -81,10 +83,14 @@ impl Stack {
         let [x, y, z] = self.spacing;
         let xy = [x.or(y).unwrap_or(1.0), y.or(x).unwrap_or(1.0)];
         if x.or(y).is_none() {
-            self.notes.push("the file gives no size of a pixel: it is taken to be 1 mm".to_owned());
+            self.notes
+                .push("the file gives no size of a pixel: it is taken to be 1 mm".to_owned());
         }
         if z.is_none() && self.sizes[0] > 1 {
-            let note = format!("the file gives no distance between slices: it is taken to be that of columns, {} mm", xy[0]);
+            let note = format!(
+                "the file gives no distance between slices: it is taken to be that of columns, {} mm",
+                xy[0]
+            );
             self.notes.push(note);
         }
         DAffine3::from_scale(DVec3::new(xy[0], xy[1], z.unwrap_or(xy[0])))
@@ -108,7 +114,9 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
     if channels > 1 {
         // The same check as of components, and the same message.
         Components::new(path, channels, options.component)?;
-        stack.notes.push(format!("channel {channel} of {channels}: choose with --component"));
+        stack
+            .notes
+            .push(format!("channel {channel} of {channels}: choose with --component"));
     }
     let components = layout.components(path, within)?;
     let declared = Declared {
@@ -161,10 +169,17 @@ fn contiguous(path: &Path, pages: &Pages, stack: &Stack) -> Result<Option<Contig
         return Ok(None);
     }
     let Some(data) = pages.contiguous.filter(|_| pages.count() == 1) else {
-        let what = format!("its description asks for {} pages, it has {}", stack.planes(), pages.count());
+        let what = format!(
+            "its description asks for {} pages, it has {}",
+            stack.planes(),
+            pages.count()
+        );
         return Err(ReadError::header(path, what).hint("the file is incomplete: copy or export it again"));
     };
-    let count = stack.planes().saturating_mul(pages.layout.pixels()).saturating_mul(pages.layout.samples);
+    let count = stack
+        .planes()
+        .saturating_mul(pages.layout.pixels())
+        .saturating_mul(pages.layout.samples);
     let found = data.length.saturating_sub(data.start);
     data.payload(path, count).check(found)?;
     Ok(Some(data))

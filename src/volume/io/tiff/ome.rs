@@ -60,7 +60,11 @@ pub(super) fn stack(path: &Path, description: &str, pages: &Pages) -> Result<Sta
 /// The page of each plane; `None` where they follow each other.
 fn placed(stack: &Stack, pixels: &Pixels, pages: &Pages) -> Result<Option<Vec<usize>>, String> {
     if stack.planes() > pages.count() {
-        let what = format!("asks for {} planes, the file has {} pages of them", stack.planes(), pages.count());
+        let what = format!(
+            "asks for {} planes, the file has {} pages of them",
+            stack.planes(),
+            pages.count()
+        );
         return Err(what);
     }
     // Files are renamed, so one name that all planes have means this file.
@@ -75,7 +79,9 @@ fn placed(stack: &Stack, pixels: &Pixels, pages: &Pages) -> Result<Option<Vec<us
     }
     let mut found = vec![None; stack.planes()];
     for run in &pixels.runs {
-        let first: usize = (0..3).map(|axis| run.first[axis].saturating_mul(stack.strides[axis])).sum();
+        let first: usize = (0..3)
+            .map(|axis| run.first[axis].saturating_mul(stack.strides[axis]))
+            .sum();
         let most = stack.planes().saturating_sub(first);
         for i in 0..run.planes.unwrap_or(most).min(most) {
             found[first + i] = pages.index(run.page.saturating_add(i));
@@ -90,24 +96,22 @@ fn parse(description: &str) -> Result<Pixels, String> {
     let mut pixels = Pixels::default();
     loop {
         match xml.read_event().map_err(|e| format!("is no XML: {e}"))? {
-            Event::Start(element) | Event::Empty(element) => {
-                match (element.local_name().as_ref(), pixels.images) {
-                    ("Pixels", 0) => {
-                        pixels = Pixels {
-                            images: 1,
-                            ..sizes(&element)?
-                        };
-                    }
-                    ("Pixels", _) => pixels.images += 1,
-                    ("TiffData", 1) => pixels.runs.push(run(&element)),
-                    ("UUID", 1) => {
-                        if let Some(run) = pixels.runs.last_mut() {
-                            run.file = get(&element, "FileName");
-                        }
-                    }
-                    _ => {}
+            Event::Start(element) | Event::Empty(element) => match (element.local_name().as_ref(), pixels.images) {
+                ("Pixels", 0) => {
+                    pixels = Pixels {
+                        images: 1,
+                        ..sizes(&element)?
+                    };
                 }
-            }
+                ("Pixels", _) => pixels.images += 1,
+                ("TiffData", 1) => pixels.runs.push(run(&element)),
+                ("UUID", 1) => {
+                    if let Some(run) = pixels.runs.last_mut() {
+                        run.file = get(&element, "FileName");
+                    }
+                }
+                _ => {}
+            },
             Event::Eof => break,
             _ => {}
         }
@@ -120,7 +124,10 @@ fn parse(description: &str) -> Result<Pixels, String> {
 
 fn get(element: &BytesStart, name: &str) -> Option<String> {
     let attribute = element.try_get_attribute(name).ok()??;
-    attribute.normalized_value(XmlVersion::Implicit1_0).ok().map(String::from)
+    attribute
+        .normalized_value(XmlVersion::Implicit1_0)
+        .ok()
+        .map(String::from)
 }
 
 fn number(element: &BytesStart, name: &str) -> Option<usize> {

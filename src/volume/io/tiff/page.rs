@@ -98,9 +98,11 @@ impl Layout {
     /// The numbers of a page, pixel after pixel.
     pub(super) fn numbers(&self, page: DecodingResult) -> Voxels {
         let voxels = match page {
-            DecodingResult::U8(v) if self.bits < 8 => {
-                Voxels::U8(unpacked(&v, self.bits, self.dims[0] * if self.is_planar { 1 } else { self.samples }))
-            }
+            DecodingResult::U8(v) if self.bits < 8 => Voxels::U8(unpacked(
+                &v,
+                self.bits,
+                self.dims[0] * if self.is_planar { 1 } else { self.samples },
+            )),
             DecodingResult::U8(v) => Voxels::U8(v),
             DecodingResult::I8(v) => Voxels::I8(v),
             DecodingResult::U16(v) => Voxels::U16(v),
@@ -140,7 +142,9 @@ fn unpacked(bytes: &[u8], bits: u8, width: usize) -> Vec<u8> {
 /// The planes' numbers, pixel after pixel.
 fn interleaved<T: Voxel>(planes: &[T], count: usize) -> Vec<T> {
     let pixels = planes.len() / count;
-    (0..pixels).flat_map(|i| (0..count).map(move |plane| planes[plane * pixels + i])).collect()
+    (0..pixels)
+        .flat_map(|i| (0..count).map(move |plane| planes[plane * pixels + i]))
+        .collect()
 }
 
 /// JFIF's colours: those of ITU-R BT.601, in the full range.

@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 use tiff::TiffError;
 use tiff::decoder::ifd::Value;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::tags::{ByteOrder as TiffOrder, CompressionMethod, PlanarConfiguration, SampleFormat, Tag, Type, ValueBuffer};
+use tiff::tags::{
+    ByteOrder as TiffOrder, CompressionMethod, PlanarConfiguration, SampleFormat, Tag, Type, ValueBuffer,
+};
 
 use super::page::Layout;
 use super::shown::Shown;
@@ -115,7 +117,8 @@ impl Pages {
             is_compressed |= compression.is_some_and(|method: u16| method != CompressionMethod::None.to_u16());
             directories.push(directory);
         }
-        let (layout, directory) = first.ok_or_else(|| ReadError::unsupported(path, "it holds no page of full resolution"))?;
+        let (layout, directory) =
+            first.ok_or_else(|| ReadError::unsupported(path, "it holds no page of full resolution"))?;
         let at = |e| error(path, directory, e);
         see(&mut decoder, directory).map_err(at)?;
         let mut pages = Self {
@@ -152,9 +155,13 @@ impl Pages {
         }
         match self.is_compressed {
             false if expected > found => Err(ReadError::new(&self.path, Problem::Truncated { expected, found })),
-            true if expected / MAX_RATIO > found => {
-                Err(ReadError::new(&self.path, Problem::Implausible { expected, compressed: found }))
-            }
+            true if expected / MAX_RATIO > found => Err(ReadError::new(
+                &self.path,
+                Problem::Implausible {
+                    expected,
+                    compressed: found,
+                },
+            )),
             _ => Ok(()),
         }
     }
@@ -171,7 +178,11 @@ impl Pages {
         let (expected, found) = (self.layout.pixels() * self.layout.samples, numbers.len());
         match expected == found {
             true => Ok(numbers),
-            false => Err(unsupported(&self.path, directory, &format!("it has {found} numbers instead of {expected}"))),
+            false => Err(unsupported(
+                &self.path,
+                directory,
+                &format!("it has {found} numbers instead of {expected}"),
+            )),
         }
     }
 
@@ -180,9 +191,18 @@ impl Pages {
         if self.is_compressed || self.layout.is_planar || self.layout.bits < 8 {
             return Ok(None);
         }
-        let offsets: Vec<u64> = self.decoder.find_tag_unsigned_vec(Tag::StripOffsets)?.unwrap_or_default();
-        let sizes: Vec<u64> = self.decoder.find_tag_unsigned_vec(Tag::StripByteCounts)?.unwrap_or_default();
-        let ends = offsets.iter().zip(&sizes).map(|(offset, size)| offset.saturating_add(*size));
+        let offsets: Vec<u64> = self
+            .decoder
+            .find_tag_unsigned_vec(Tag::StripOffsets)?
+            .unwrap_or_default();
+        let sizes: Vec<u64> = self
+            .decoder
+            .find_tag_unsigned_vec(Tag::StripByteCounts)?
+            .unwrap_or_default();
+        let ends = offsets
+            .iter()
+            .zip(&sizes)
+            .map(|(offset, size)| offset.saturating_add(*size));
         let is_one = offsets.iter().skip(1).zip(ends).all(|(next, end)| *next == end);
         let order = match self.decoder.byte_order() {
             TiffOrder::LittleEndian => ByteOrder::Little,
@@ -293,14 +313,16 @@ fn differs(path: &Path, directory: usize, known: &Layout, layout: &Layout) -> Re
 }
 
 fn unsupported(path: &Path, directory: usize, what: &str) -> ReadError {
-    ReadError::unsupported(path, format!("page {}: {what}", directory + 1)).hint("save it as grey or RGB, of 8, 16 or 32 bits")
+    ReadError::unsupported(path, format!("page {}: {what}", directory + 1))
+        .hint("save it as grey or RGB, of 8, 16 or 32 bits")
 }
 
 fn error(path: &Path, directory: usize, error: TiffError) -> ReadError {
     let page = directory + 1;
     match error {
         TiffError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
-            ReadError::header(path, format!("page {page}: the file ends before its data")).hint("copy or export it again")
+            ReadError::header(path, format!("page {page}: the file ends before its data"))
+                .hint("copy or export it again")
         }
         TiffError::IoError(e) => ReadError::io(path, e),
         TiffError::UnsupportedError(e) => unsupported(path, directory, &e.to_string()),

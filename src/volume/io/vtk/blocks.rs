@@ -72,7 +72,9 @@ impl<R: Read> Blocks<R> {
     /// The array at `stream`.
     pub(super) fn new(mut stream: R, words: Words, compressor: Compressor) -> io::Result<Self> {
         let [count, full, last] = words.read(&mut stream)?;
-        let bytes = count.checked_mul(words.bytes() as u64).ok_or_else(|| damaged("it has too many blocks"))?;
+        let bytes = count
+            .checked_mul(words.bytes() as u64)
+            .ok_or_else(|| damaged("it has too many blocks"))?;
         let mut table = Vec::new();
         if stream.by_ref().take(bytes).read_to_end(&mut table)? as u64 != bytes {
             return Err(io::ErrorKind::UnexpectedEof.into());
@@ -93,7 +95,9 @@ impl<R: Read> Blocks<R> {
 
     /// How many bytes all blocks declare.
     pub(super) fn declared(&self) -> u64 {
-        self.sizes.iter().fold(0, |sum: u64, (_, size)| sum.saturating_add(*size))
+        self.sizes
+            .iter()
+            .fold(0, |sum: u64, (_, size)| sum.saturating_add(*size))
     }
 
     fn next_block(&mut self) -> io::Result<()> {

@@ -35,7 +35,12 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         return Err(ReadError::header(path, what).byte(data.start));
     }
     let count = voxels.saturating_mul(choice.components.count());
-    let scalars = Scalars::new(path.to_owned(), choice.stored, count, source(path, data, header.is_binary)?);
+    let scalars = Scalars::new(
+        path.to_owned(),
+        choice.stored,
+        count,
+        source(path, data, header.is_binary)?,
+    );
     Opened::new(path.to_owned(), declared, scalars.chunks(choice.components))
 }
 

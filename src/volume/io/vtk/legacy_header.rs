@@ -248,7 +248,14 @@ impl Scan<'_> {
     }
 
     /// Notes an array, and passes over its data.
-    fn array(&mut self, name: &str, kind: &str, components: usize, tuples: usize, scalars: bool) -> Result<(), ReadError> {
+    fn array(
+        &mut self,
+        name: &str,
+        kind: &str,
+        components: usize,
+        tuples: usize,
+        scalars: bool,
+    ) -> Result<(), ReadError> {
         let kind = kind.to_ascii_lowercase();
         let (start, bytes) = self.skip(&kind, components.saturating_mul(tuples))?;
         let Some((of, _)) = self.of else {

@@ -128,7 +128,10 @@ fn choose(path: &Path, arrays: &[Array], options: &ReadOptions) -> Result<Choice
         return Err(missing(path, &all, options));
     };
     let Some(stored) = array.kind.1 else {
-        let what = format!("the array `{}` holds `{}`, which are no numbers", array.name, array.kind.0);
+        let what = format!(
+            "the array `{}` holds `{}`, which are no numbers",
+            array.name, array.kind.0
+        );
         return Err(ReadError::unsupported(path, what).hint(names(&all)));
     };
     Ok(Choice {
@@ -175,7 +178,10 @@ fn declared(format: &'static str, arrays: &[Array], choice: &Choice, lattice: &L
     let array = &arrays[choice.index];
     let mut notes = Vec::new();
     if choice.of == Of::Cells {
-        notes.push(format!("`{}` has values of cells: each is a voxel at its cell's centre", array.name));
+        notes.push(format!(
+            "`{}` has values of cells: each is a voxel at its cell's centre",
+            array.name
+        ));
     }
     let others: Vec<_> = (arrays.iter().enumerate())
         .filter(|(i, array)| *i != choice.index && array.kind.1.is_some())

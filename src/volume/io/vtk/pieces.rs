@@ -17,7 +17,10 @@ pub(super) struct Part {
 /// The image's slices. Where pieces overlap the last one counts, as in VTK.
 pub(super) fn in_slices(path: &Path, parts: Vec<Part>, whole: &Extent, choice: &Choice) -> Result<Chunks, ReadError> {
     let [nx, ny, nz] = whole.dims(choice.of);
-    let parts: Vec<_> = parts.into_iter().map(|part| Placed::new(part, whole, choice.of)).collect();
+    let parts: Vec<_> = parts
+        .into_iter()
+        .map(|part| Placed::new(part, whole, choice.of))
+        .collect();
     let count = |dims: [usize; 3]| dims.iter().fold(1_usize, |n, &d| n.saturating_mul(d));
     let mut assembly = Assembly {
         path: path.to_owned(),
@@ -26,7 +29,13 @@ pub(super) fn in_slices(path: &Path, parts: Vec<Part>, whole: &Extent, choice: &
         parts,
     };
     // Of the pieces there is as much data as they declare, so the image is held against them before there is room for it.
-    if assembly.parts.iter().map(|p| count(p.dims)).fold(0, usize::saturating_add) < count([nx, ny, nz]) {
+    if assembly
+        .parts
+        .iter()
+        .map(|p| count(p.dims))
+        .fold(0, usize::saturating_add)
+        < count([nx, ny, nz])
+    {
         return Err(assembly.incomplete());
     }
     Ok(Box::new((0..nz).map(move |z| assembly.slice(z))))

@@ -64,7 +64,10 @@ fn content(path: &Path, piece: &super::xml_header::Piece, wanted: &Array) -> Res
     let found = (piece.arrays.iter()).find(|(array, _)| is_it(array) && array.components == wanted.components);
     match found {
         Some((_, content)) => Ok(content.clone()),
-        None => Err(ReadError::header(path, format!("a piece has no array `{}` like the first's", wanted.name))),
+        None => Err(ReadError::header(
+            path,
+            format!("a piece has no array `{}` like the first's", wanted.name),
+        )),
     }
 }
 
@@ -90,14 +93,25 @@ fn scalars(
         }
         (Content::Appended(_), None) => return Err(ReadError::header(path, "it has no AppendedData")),
     };
-    let truncated = |found| ReadError::new(path, Problem::Truncated { expected: needed, found }).byte(start);
+    let truncated = |found| {
+        ReadError::new(
+            path,
+            Problem::Truncated {
+                expected: needed,
+                found,
+            },
+        )
+        .byte(start)
+    };
     file.seek(SeekFrom::Start(start)).map_err(io_error)?;
     let text = BufReader::new(file).take(bytes);
     let is_base64 = match content {
         Content::Ascii(_) => {
             // A number takes a digit and a separator.
             let text = match bytes.saturating_add(1) / 2 < count as u64 {
-                true => return Err(ReadError::header(path, format!("its text has less than {count} numbers")).byte(start)),
+                true => {
+                    return Err(ReadError::header(path, format!("its text has less than {count} numbers")).byte(start));
+                }
                 false => Text::new(Box::new(text)),
             };
             return Ok(Scalars::new(path.to_owned(), choice.stored, count, Source::Text(text)));

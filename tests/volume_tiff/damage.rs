@@ -1,0 +1,57 @@
+//! Damaged files are refused, or read as what they then say: nothing panics.
+
+use std::fs;
+
+use proptest::prelude::*;
+use serde_json::json;
+use vcsg::volume::io;
+
+use crate::folder;
+use crate::oracle::Oracle;
+
+/// One file of each kind.
+fn samples() -> Vec<Vec<u8>> {
+    let (mut oracle, folder) = (Oracle::start(), folder());
+    let path = folder.path().join("a.tif");
+    let writers = [
+        json!({"photometric": "minisblack"}),
+        json!({"photometric": "minisblack", "compression": "lzw", "tile": [16, 16]}),
+        json!({"photometric": "palette", "compression": "zlib", "bigtiff": true}),
+        json!({"ome": true, "photometric": "minisblack", "compression": "packbits"}),
+        json!({"imagej": true}),
+    ];
+    let sample = |writer| {
+        oracle.write(&path, "u8", &[3, 20, 20], writer);
+        fs::read(&path).unwrap()
+    };
+    writers.iter().map(sample).collect()
+}
+
+#[test]
+fn damage_never_panics() {
+    let samples = samples();
+    let folder = folder();
+    let path = folder.path().join("a.tif");
+    let hit = (any::<prop::sample::Index>(), any::<u8>(), 0..3_u8);
+    let config = ProptestConfig {
+        cases: 500,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    let which = 0..samples.len();
+    proptest!(config, |(which in which, hits in prop::collection::vec(hit, 1..4))| {
+        let mut bytes = samples[which].clone();
+        for (place, byte, how) in hits {
+            // Half of the hits are where the header and the first directory are.
+            let at = place.index(bytes.len()) % if byte % 2 == 0 { bytes.len() } else { 400 };
+            match how {
+                0 => bytes.truncate(at + 1),
+                _ => bytes[at] = byte,
+            }
+        }
+        fs::write(&path, &bytes).unwrap();
+        if let Ok(volume) = io::read(&path) {
+            prop_assert!(volume.grid.voxels().len() <= bytes.len() << 13);
+        }
+    });
+}
