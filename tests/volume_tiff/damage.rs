@@ -55,3 +55,44 @@ fn damage_never_panics() {
         }
     });
 }
+
+/// A page of 2^62 pixels, and one that is larger than is believed.
+#[test]
+fn declared_sizes_are_held_against_the_bytes() {
+    for (width, height, compression) in [
+        (1 << 31, 1 << 31, 1),
+        (1 << 31, 1 << 31, 5),
+        (1 << 17, 1 << 16, 8_u32),
+        (1 << 16, 1 << 10, 8),
+    ] {
+        let tags = [
+            (256, width),
+            (257, height),
+            (258, 8),
+            (259, compression),
+            (262, 1),
+            (273, 8),
+            (277, 1),
+            (278, height),
+            (279, 100),
+        ];
+        let mut bytes = b"II*\0\x08\0\0\0".to_vec();
+        bytes.extend((tags.len() as u16).to_le_bytes());
+        for (tag, value) in tags {
+            bytes.extend(
+                [
+                    &(tag as u16).to_le_bytes()[..],
+                    &[4, 0, 1, 0, 0, 0],
+                    &u32::to_le_bytes(value),
+                ]
+                .concat(),
+            );
+        }
+        bytes.extend([0; 4]);
+        let folder = folder();
+        let path = folder.path().join("a.tif");
+        fs::write(&path, &bytes).unwrap();
+        let error = io::read(&path).unwrap_err().to_string();
+        assert!(error.contains("bytes"), "{width} {height} {compression}: {error}");
+    }
+}

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use vcsg::volume::io::ReadOptions;
 
-use crate::hand_made_samples::samples;
+use crate::hand_made_samples::{appended, samples, zlib};
 use crate::read;
 
 proptest! {
@@ -28,6 +28,33 @@ proptest! {
         if let Ok(volume) = read(name, &bytes, &ReadOptions::default()) {
             // No more voxels than the best compression makes of so many bytes.
             prop_assert!(volume.grid.voxels().len() <= bytes.len() * 8736);
+        }
+    }
+}
+
+/// Numbers of blocks, and sizes, that no memory could hold.
+#[test]
+fn declared_sizes_are_held_against_the_bytes() {
+    let size = zlib().len() as u64;
+    for compressor in ["vtkZLibDataCompressor", "vtkLZ4DataCompressor", "vtkLZMADataCompressor"] {
+        for words in [
+            [1 << 61, 64, 0, size],
+            [u64::MAX, 1, 1, size],
+            [1, 1 << 60, 0, size],
+            [1, 64, 1 << 60, size],
+            [1, 64, 0, 1 << 60],
+        ] {
+            let data = [words.map(u64::to_le_bytes).concat(), zlib()].concat();
+            let attributes = format!("header_type=\"UInt64\" compressor=\"{compressor}\"");
+            let file = appended(&attributes, &data);
+            assert!(
+                read("a.vti", &file, &ReadOptions::default()).is_err(),
+                "{compressor} {words:?}"
+            );
+            // The same, where the image asks for as much.
+            let large = String::from_utf8_lossy(&file).replace("0 7 0 3", "0 1048575 0 1048575");
+            let error = read("a.vti", large.as_bytes(), &ReadOptions::default()).unwrap_err();
+            assert!(error.to_string().contains("bytes"), "{error}");
         }
     }
 }

@@ -13,14 +13,15 @@ fn voxels() -> Vec<u8> {
     (0..64).map(|i| i * 3).collect()
 }
 
-fn zlib() -> Vec<u8> {
+/// The voxels, compressed.
+pub fn zlib() -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(&voxels()).unwrap();
     encoder.finish().unwrap()
 }
 
 /// The file of an array whose `data` is appended as it is.
-fn appended(attributes: &str, data: &[u8]) -> Vec<u8> {
+pub fn appended(attributes: &str, data: &[u8]) -> Vec<u8> {
     let array = "<DataArray type=\"UInt8\" Name=\"a\" format=\"appended\" offset=\"0\"/>";
     let text = format!(
         "<VTKFile type=\"ImageData\" {attributes}>{PIECE}{array}</PointData></Piece></ImageData><AppendedData encoding=\"raw\">_"

@@ -26,7 +26,7 @@ pub(super) const FORMAT: Format = Format {
     reads: "a folder of TIFF, PNG or JPEG slices, in the order of the numbers in their names; one PNG or JPEG",
     recognises: |probe| match probe.is_folder {
         true => files(&probe.path).is_ok_and(|(files, _)| !files.is_empty()),
-        false => probe.is_named(&FORMAT),
+        false => !probe.has_layout && probe.is_named(&FORMAT),
     },
     open: |path, options| Ok(vec![open(path, options)?]),
 };

@@ -31,7 +31,7 @@ pub(super) const FORMAT: Format = Format {
     name: "TIFF",
     suffixes: &[".tif", ".tiff", ".btf", ".tf8"],
     reads: "stacks of 8 to 64 bits, BigTIFF; deflate, LZW, PackBits, JPEG; ImageJ and OME: spacing, channels, times",
-    recognises: |probe| !probe.is_folder && (probe.is_named(&FORMAT) || is_tiff(&probe.start)),
+    recognises: |probe| !probe.is_folder && !probe.has_layout && (probe.is_named(&FORMAT) || is_tiff(&probe.start)),
     open: |path, options| Ok(vec![open(path, options)?]),
 };
 
