@@ -104,13 +104,14 @@ fn planes_without_pages_follow_the_first() {
 fn resolution_is_spacing_unless_it_is_a_screens() {
     let (mut oracle, folder) = (Oracle::start(), folder());
     let path = folder.path().join("a.tif");
-    for (resolution, unit, expected) in [(100.0, 3, 0.1), (254.0, 2, 0.1), (72.0, 2, 1.0), (7.0, 1, 1.0)] {
+    for (resolution, unit, expected) in [(100.0, 3, 0.1), (254.0, 2, 25.4 / 254.0), (72.0, 2, 1.0), (7.0, 1, 1.0)] {
         let writer = json!({
             "photometric": "minisblack", "resolution": [resolution, resolution], "resolutionunit": unit, "metadata": null,
         });
         oracle.write(&path, "u8", &[2, 5, 6], &writer);
         let info = io::open(&path, &ReadOptions::default()).unwrap().info().unwrap();
-        assert_eq!(info.spacing, [expected; 3]);
+        let place = *grid(&path, &ReadOptions::default()).world_from_index();
+        assert_eq!([place.x_axis.x, place.y_axis.y, place.z_axis.z], [expected; 3]);
         assert!(!info.notes.is_empty(), "the distance between slices is a guess");
     }
 }
