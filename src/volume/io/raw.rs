@@ -10,6 +10,7 @@ use super::format::Format;
 use super::nrrd_write;
 use super::open::{Declared, Opened};
 use super::payload::Payload;
+use super::raw_guess;
 use super::source::{Coding, Skip, Stretch};
 use super::stored::{ByteOrder, Stored};
 use super::write::Writer;
@@ -39,8 +40,7 @@ pub(super) const FORMAT: Format = Format {
     recognises: |probe| !probe.is_folder && (probe.has_layout || probe.is_named(&FORMAT)),
     open: |path, options| match &options.raw {
         Some(layout) => Ok(vec![open(path, layout)?]),
-        None => Err(ReadError::unsupported(path, "a raw file does not say what it holds")
-            .hint("give its size, voxel type and spacing, or write a NRRD header (.nhdr) beside it")),
+        None => Err(ReadError::unsupported(path, "a raw file does not say what it holds").hint(raw_guess::hint(path))),
     },
     writer: Some(Writer {
         suffixes: &[".raw"],

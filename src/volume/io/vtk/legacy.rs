@@ -18,7 +18,9 @@ pub(in crate::volume::io) const FORMAT: Format = Format {
     name: "VTK legacy",
     suffixes: &[".vtk"],
     reads: "structured points, ascii and binary, versions 1 to 5.1: scalars, vectors, fields, of points or cells",
-    recognises: |probe| !probe.is_folder && (probe.is_named(&FORMAT) || probe.start.starts_with(b"# vtk DataFile")),
+    recognises: |probe| {
+        !probe.is_folder && !probe.has_layout && (probe.is_named(&FORMAT) || probe.start.starts_with(b"# vtk DataFile"))
+    },
     open: |path, options| Ok(vec![open(path, options)?]),
     writer: None,
 };

@@ -21,7 +21,7 @@ pub(in crate::volume::io) const FORMAT: Format = Format {
     name: "VTK XML",
     suffixes: &[".vti"],
     reads: "image data: ascii, base64 and raw, inline and appended; zlib, LZ4, LZMA; values of points or cells",
-    recognises: |probe| !probe.is_folder && (probe.is_named(&FORMAT) || is_vtk_xml(&probe.start)),
+    recognises: |probe| !probe.is_folder && !probe.has_layout && (probe.is_named(&FORMAT) || is_vtk_xml(&probe.start)),
     open: |path, options| Ok(vec![open(path, options)?]),
     writer: Some(vti_write::WRITER),
 };
