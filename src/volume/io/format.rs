@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ReadError;
 use super::open::{Opened, ReadOptions};
-use super::{nifti, nrrd, raw};
+use super::{dicom, nifti, nrrd, raw};
 
 /// A format of volume files.
 pub struct Format {
@@ -23,7 +23,7 @@ pub struct Format {
 }
 
 /// All formats; the first that recognises a file reads it.
-pub const FORMATS: [&Format; 3] = [&nrrd::FORMAT, &nifti::FORMAT, &raw::FORMAT];
+pub const FORMATS: [&Format; 4] = [&nrrd::FORMAT, &nifti::FORMAT, &dicom::FORMAT, &raw::FORMAT];
 
 /// What tells a file's format.
 pub(super) struct Probe {

@@ -1,5 +1,6 @@
 //! Volume files: one module a format.
 
+mod dicom;
 mod error;
 mod format;
 mod geometry;
