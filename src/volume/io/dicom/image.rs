@@ -15,6 +15,9 @@ use super::palette::Palette;
 use super::source::{Bytes, Opened, printable};
 use crate::volume::io::error::{Problem, ReadError};
 
+/// The most frames that a file may have: what is kept of each is a few hundred bytes, and its pixels may be one bit.
+const MAX_FRAMES: f64 = 262_144.0;
+
 /// A file with pixels.
 #[derive(Debug)]
 pub(super) struct Image {
@@ -82,22 +85,22 @@ impl Image {
         let ranges = frames.ranges(pixels)?;
         let text = |tag| printable(&dataset.text(tag).unwrap_or_default());
         let whole = |tag| dataset.number(tag).unwrap_or(0.0) as i64;
-        let mut notes = Vec::new();
-        if !dataset.items(tags::MODALITY_LUT_SEQUENCE).is_empty() {
-            notes.push("its modality lookup table is not applied: values are as stored".to_owned());
-        }
         Ok(Some(Self {
             path: path.to_owned(),
             series: text(tags::SERIES_INSTANCE_UID),
             description: text(tags::SERIES_DESCRIPTION),
             instance: (text(tags::SOP_INSTANCE_UID), whole(tags::INSTANCE_NUMBER)),
-            is_mosaic: text(tags::IMAGE_TYPE).split('\\').any(|word| word == "MOSAIC"),
+            is_mosaic: dataset
+                .text(tags::IMAGE_TYPE)
+                .unwrap_or_default()
+                .split('\\')
+                .any(|word| word == "MOSAIC"),
             frames: frames_of(path, dataset, ranges)?,
             palette: (layout.colour == Colour::Palette)
                 .then(|| Palette::new(path, dataset))
                 .transpose()?,
             layout,
-            notes,
+            notes: notes(dataset),
             codec,
             bytes: opened.bytes,
         }))
@@ -137,6 +140,17 @@ impl Image {
     }
 }
 
+fn notes(dataset: &Dataset) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !dataset.items(tags::MODALITY_LUT_SEQUENCE).is_empty() {
+        notes.push("its modality lookup table is not applied: values are as stored".to_owned());
+    }
+    if Sayings::of(dataset, 0).spacing().is_none() {
+        notes.push("the distance of pixels is not said: 1 mm is taken".to_owned());
+    }
+    notes
+}
+
 /// What finds frames' bytes.
 struct Locator<'a> {
     path: &'a Path,
@@ -150,7 +164,7 @@ impl Locator<'_> {
     fn ranges(&self, pixels: Pixels) -> Result<Vec<(Vec<Range<u64>>, usize)>, ReadError> {
         let dataset = &self.opened.dataset;
         let frames = dataset.number(tags::NUMBER_OF_FRAMES).unwrap_or(1.0).max(1.0);
-        if frames > u32::MAX.into() {
+        if frames > MAX_FRAMES {
             return Err(ReadError::header(
                 self.path,
                 format!("{frames} frames are not believed"),
@@ -231,6 +245,14 @@ impl<'a> Sayings<'a> {
         let detector = self.image.items(tags::DETECTOR_INFORMATION_SEQUENCE).first();
         groups.chain([self.image]).chain(detector).find_map(get)
     }
+
+    /// Millimetres between rows, and between columns; those on a detector, or of a scan, if none of the object are known.
+    fn spacing(&self) -> Option<[f64; 2]> {
+        self.find(tags::PIXEL_MEASURES_SEQUENCE, |d| d.vector::<2>(tags::PIXEL_SPACING))
+            .or_else(|| self.image.vector(tags::IMAGER_PIXEL_SPACING))
+            .or_else(|| self.image.vector(tags::NOMINAL_SCANNED_PIXEL_SPACING))
+            .filter(|spacing| spacing.iter().all(|&v| v > 0.0))
+    }
 }
 
 fn frames_of(path: &Path, dataset: &Dataset, ranges: Vec<(Vec<Range<u64>>, usize)>) -> Result<Vec<Frame>, ReadError> {
@@ -262,12 +284,7 @@ fn frames_of(path: &Path, dataset: &Dataset, ranges: Vec<(Vec<Range<u64>>, usize
 
 fn frame(path: &Path, sayings: &Sayings, ranges: Vec<Range<u64>>, skip: usize) -> Result<Frame, ReadError> {
     let image = sayings.image;
-    let measure = |tag| sayings.find(tags::PIXEL_MEASURES_SEQUENCE, |d| d.vector::<2>(tag));
-    let spacing = measure(tags::PIXEL_SPACING)
-        .or_else(|| image.vector(tags::IMAGER_PIXEL_SPACING))
-        .or_else(|| image.vector(tags::NOMINAL_SCANNED_PIXEL_SPACING))
-        .filter(|spacing| spacing.iter().all(|&v| v > 0.0))
-        .unwrap_or([1.0; 2]);
+    let spacing = sayings.spacing().unwrap_or([1.0; 2]);
     let step = sayings.find(tags::PIXEL_MEASURES_SEQUENCE, |d| {
         d.number(tags::SPACING_BETWEEN_SLICES)
     });

@@ -4,7 +4,7 @@ use super::layout::Colour;
 use super::series::Slice;
 use crate::volume::grid::Voxels;
 use crate::volume::io::error::ReadError;
-use crate::volume::voxel::{Voxel, VoxelType};
+use crate::volume::voxel::VoxelType;
 
 /// Shares of red, green and blue in luminance (ITU-R BT.709).
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
@@ -50,41 +50,67 @@ fn rescale(slice: &Slice) -> [f64; 2] {
     }
 }
 
-/// The values of a slice after its slope and intercept, or of colours the luminance or one `component`.
-fn values(slice: &Slice, component: Option<usize>) -> Result<impl Iterator<Item = f64>, ReadError> {
-    let stored = slice.image.stored(slice.frame())?;
-    let [slope, intercept] = rescale(slice);
-    let components = slice.image.layout.components();
-    let value = move |i: usize| match (components, component) {
-        (1, _) => stored[i] as f64 * slope + intercept,
-        (_, Some(c)) => stored[i * components + c] as f64,
-        _ => (0..3).map(|c| LUMINANCE[c] * stored[i * 3 + c] as f64).sum(),
-    };
-    Ok((0..slice.image.layout.pixels()).map(value))
+/// The number of stored values a pixel, and which of them is meant; `None` for the luminance of all.
+fn chosen(slice: &Slice, component: Option<usize>) -> (usize, Option<usize>) {
+    match slice.image.layout.components() {
+        1 => (1, Some(0)),
+        several => (several, component),
+    }
 }
 
-/// A slice as voxels of type `voxel`.
-pub(super) fn voxels(slice: &Slice, voxel: VoxelType, component: Option<usize>) -> Result<Voxels, ReadError> {
-    fn nearest<T: Voxel>(values: impl Iterator<Item = f64>) -> Vec<T> {
-        values.map(T::nearest).collect()
+fn luminance(colour: &[i64]) -> f64 {
+    LUMINANCE.iter().zip(colour).map(|(share, &v)| share * v as f64).sum()
+}
+
+/// The values of a slice after its slope and intercept.
+fn values(slice: &Slice, component: Option<usize>) -> Result<Vec<f64>, ReadError> {
+    let stored = slice.image.stored(slice.frame())?;
+    let [slope, intercept] = rescale(slice);
+    let values = match chosen(slice, component) {
+        (1, _) => stored.iter().map(|&v| v as f64 * slope + intercept).collect(),
+        (several, Some(c)) => stored.chunks_exact(several).map(|pixel| pixel[c] as f64).collect(),
+        (several, None) => stored.chunks_exact(several).map(luminance).collect(),
+    };
+    Ok(values)
+}
+
+/// The same where they are integers; a luminance is rounded to one.
+fn integers(slice: &Slice, component: Option<usize>) -> Result<Vec<i64>, ReadError> {
+    let mut stored = slice.image.stored(slice.frame())?;
+    let [slope, intercept] = rescale(slice).map(|v| v as i64);
+    match chosen(slice, component) {
+        (1, _) if (slope, intercept) != (1, 0) => stored.iter_mut().for_each(|v| *v = *v * slope + intercept),
+        (1, _) => {}
+        (several, Some(c)) => stored = stored.chunks_exact(several).map(|pixel| pixel[c]).collect(),
+        (several, None) => {
+            stored = stored
+                .chunks_exact(several)
+                .map(|pixel| luminance(pixel).round() as i64)
+                .collect()
+        }
     }
-    let values = values(slice, component)?;
+    Ok(stored)
+}
+
+/// A slice as voxels of type `voxel`, which is [`voxel_type`]'s.
+pub(super) fn voxels(slice: &Slice, voxel: VoxelType, component: Option<usize>) -> Result<Voxels, ReadError> {
+    let whole = || integers(slice, component).map(Vec::into_iter);
+    let real = || values(slice, component).map(Vec::into_iter);
     Ok(match voxel {
-        VoxelType::U8 => Voxels::U8(nearest(values)),
-        VoxelType::I8 => Voxels::I8(nearest(values)),
-        VoxelType::U16 => Voxels::U16(nearest(values)),
-        VoxelType::I16 => Voxels::I16(nearest(values)),
-        VoxelType::U32 => Voxels::U32(nearest(values)),
-        VoxelType::I32 => Voxels::I32(nearest(values)),
-        VoxelType::F32 => Voxels::F32(nearest(values)),
-        VoxelType::F64 => Voxels::F64(nearest(values)),
+        VoxelType::U8 => Voxels::U8(whole()?.map(|v| v as u8).collect()),
+        VoxelType::I8 => Voxels::I8(whole()?.map(|v| v as i8).collect()),
+        VoxelType::U16 => Voxels::U16(whole()?.map(|v| v as u16).collect()),
+        VoxelType::I16 => Voxels::I16(whole()?.map(|v| v as i16).collect()),
+        VoxelType::U32 => Voxels::U32(whole()?.map(|v| v as u32).collect()),
+        VoxelType::I32 => Voxels::I32(whole()?.map(|v| v as i32).collect()),
+        VoxelType::F32 => Voxels::F32(real()?.map(|v| v as f32).collect()),
+        VoxelType::F64 => Voxels::F64(real()?.collect()),
     })
 }
 
 /// What lies between two slices, `part` of the way, as `f32`.
 pub(super) fn between(slices: [&Slice; 2], part: f64, component: Option<usize>) -> Result<Voxels, ReadError> {
     let [a, b] = [values(slices[0], component)?, values(slices[1], component)?];
-    Ok(Voxels::F32(
-        a.zip(b).map(|(a, b)| ((1.0 - part) * a + part * b) as f32).collect(),
-    ))
+    let mixed = a.iter().zip(&b).map(|(a, b)| ((1.0 - part) * a + part * b) as f32);
+    Ok(Voxels::F32(mixed.collect()))
 }
