@@ -59,3 +59,18 @@ fn frames_of_several_items_are_put_together() {
     let volume = io::read(&file.write(folder.path(), "a.dcm")).unwrap();
     assert_eq!(volume.grid.value_at([3, 2, 0]), 311.0);
 }
+
+#[test]
+fn files_without_preamble_and_meta_information_are_read_by_their_elements() {
+    let folder = tempdir().unwrap();
+    for (syntax, meta) in [(EXPLICIT, 28), (IMPLICIT, 26), (BIG, 28)] {
+        let file = File {
+            syntax,
+            ..File::slice(3, 0.0)
+        };
+        let path = folder.path().join("bare");
+        std::fs::write(&path, &file.bytes()[132 + meta..]).unwrap();
+        let volume = io::read(&path).unwrap_or_else(|e| panic!("{syntax}: {e}"));
+        assert_eq!(volume.grid.value_at([3, 2, 0]), 311.0, "{syntax}");
+    }
+}

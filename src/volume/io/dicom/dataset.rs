@@ -90,6 +90,8 @@ pub(super) enum Pixels {
         offset: u64,
         /// How many are declared.
         bytes: u64,
+        /// Whether they come in words of two.
+        words: bool,
     },
     /// Items of compressed bytes, the first of which begins at a byte.
     Encapsulated {
@@ -125,7 +127,7 @@ impl Dataset {
                 Some(Err(e)) => break Err(format!("its elements are damaged: {e}")),
                 Some(Ok(token)) => match tree.take(token) {
                     Ok(Step::On) => {}
-                    Ok(Step::Native { offset, bytes }) => break Ok(Some(Pixels::Native { offset, bytes })),
+                    Ok(Step::Native(pixels)) => break Ok(Some(pixels)),
                     Ok(Step::Encapsulated) => break Ok(Some(Pixels::Encapsulated { offset: 0 })),
                     Ok(Step::Past) => break Ok(None),
                     Err(what) => break Err(what),
@@ -232,7 +234,7 @@ fn text_numbers(bytes: &[u8]) -> Vec<f64> {
 /// What follows from a token.
 enum Step {
     On,
-    Native { offset: u64, bytes: u64 },
+    Native(Pixels),
     Encapsulated,
     Past,
 }
@@ -244,8 +246,6 @@ struct Tree {
     open: Vec<Dataset>,
     /// The open sequences: one less than data sets, or as many between two items.
     sequences: Vec<(Tag, Vec<Dataset>)>,
-    /// Whether the item values to come are those of compressed pixels in a sequence.
-    tag: Option<Tag>,
 }
 
 impl Tree {
@@ -254,7 +254,6 @@ impl Tree {
             order,
             open: vec![Dataset::default()],
             sequences: Vec::new(),
-            tag: None,
         }
     }
 
@@ -265,13 +264,16 @@ impl Tree {
     fn take<S: StatefulDecode>(&mut self, token: LazyDataToken<&mut S>) -> Result<Step, String> {
         let outermost = self.sequences.is_empty();
         match token {
-            LazyDataToken::ElementHeader(header) => self.tag = Some(header.tag),
+            LazyDataToken::ElementHeader(_) => {}
             LazyDataToken::LazyValue { header, decoder } => {
                 let bytes = header.len.get().unwrap_or(0);
                 if outermost && header.tag == tags::PIXEL_DATA {
                     let offset = decoder.position();
-                    let bytes = u64::from(bytes);
-                    return Ok(Step::Native { offset, bytes });
+                    return Ok(Step::Native(Pixels::Native {
+                        offset,
+                        bytes: u64::from(bytes),
+                        words: header.vr == VR::OW,
+                    }));
                 }
                 if outermost && header.tag > tags::PIXEL_DATA {
                     return Ok(Step::Past);

@@ -40,6 +40,8 @@ pub(super) struct Image {
     codec: Codec,
     palette: Option<Palette>,
     bytes: Bytes,
+    /// Whether the bytes of uncompressed pixels come in words.
+    words: bool,
 }
 
 /// A frame of a file.
@@ -103,13 +105,17 @@ impl Image {
             notes: notes(dataset),
             codec,
             bytes: opened.bytes,
+            words: matches!(pixels, Pixels::Native { words: true, .. }),
         }))
     }
 
     /// The stored values of a frame, those of a pixel together; of a palette's or luma's, what they stand for.
     pub(super) fn stored(&self, frame: &Frame) -> Result<Vec<i64>, ReadError> {
-        let bytes = self.bytes.read(&self.path, &frame.ranges)?;
+        let mut bytes = self.bytes.read(&self.path, &frame.ranges)?;
         let layout = &self.layout;
+        if layout.swaps(self.words) {
+            bytes.chunks_exact_mut(2).for_each(<[u8]>::reverse);
+        }
         let (mut values, is_rgb) = match self.codec {
             Codec::Native => (layout.native(&bytes, frame.skip), false),
             codec => codec.decode(&bytes, layout).map_err(|what| self.damaged(frame, what))?,
@@ -172,7 +178,7 @@ impl Locator<'_> {
         }
         let frames = frames as u64;
         match (pixels, self.codec) {
-            (Pixels::Native { offset, bytes }, Codec::Native) => self.native(offset, bytes, frames),
+            (Pixels::Native { offset, bytes, words }, Codec::Native) => self.native(offset, bytes, words, frames),
             (Pixels::Encapsulated { offset }, Codec::Native) => Err(ReadError::header(
                 self.path,
                 "its pixels are compressed, its transfer syntax says they are not",
@@ -187,16 +193,28 @@ impl Locator<'_> {
         }
     }
 
-    fn native(&self, offset: u64, declared: u64, frames: u64) -> Result<Vec<(Vec<Range<u64>>, usize)>, ReadError> {
+    fn native(
+        &self,
+        offset: u64,
+        declared: u64,
+        words: bool,
+        frames: u64,
+    ) -> Result<Vec<(Vec<Range<u64>>, usize)>, ReadError> {
         let bits = self.layout.native_samples() as u64 * u64::from(self.layout.allocated);
         let expected = frames.saturating_mul(bits).div_ceil(8);
         let found = declared.min(self.opened.bytes.len().saturating_sub(offset));
         if found < expected {
             return Err(ReadError::new(self.path, Problem::Truncated { expected, found }).byte(offset));
         }
+        // Bytes that are swapped in pairs are read in pairs.
+        let unit = if self.layout.swaps(words) { 16 } else { 8 };
         let frame = |i: u64| {
-            let range = offset + i * bits / 8..offset + ((i + 1) * bits).div_ceil(8);
-            (vec![range], (i * bits % 8) as usize)
+            let first = i * bits / unit * (unit / 8);
+            let end = ((i + 1) * bits).div_ceil(unit) * (unit / 8);
+            (
+                vec![offset + first..offset + end.min(found)],
+                (i * bits % unit) as usize,
+            )
         };
         Ok((0..frames).map(frame).collect())
     }

@@ -148,6 +148,11 @@ impl Layout {
         self.high + 1 - self.stored
     }
 
+    /// Whether samples of a byte or less are swapped in pairs, since `words` are in big endian.
+    pub(super) fn swaps(&self, words: bool) -> bool {
+        words && self.order == ByteOrder::Big && self.allocated <= 8
+    }
+
     /// The stored values in the bytes of an uncompressed frame that starts `skip` bits into them.
     pub(super) fn native(&self, bytes: &[u8], skip: usize) -> Vec<i64> {
         let shift = self.shift();
@@ -157,7 +162,10 @@ impl Layout {
                 let bit = |i: usize| i64::from(bytes.get(i / 8).copied().unwrap_or(0) >> (i % 8) & 1);
                 (skip..skip + self.native_samples()).map(bit).collect()
             }
-            8 => bytes.iter().map(|&b| self.value(i64::from(b), shift)).collect(),
+            8 => {
+                let own = bytes.iter().skip(skip / 8).take(self.native_samples());
+                own.map(|&b| self.value(i64::from(b), shift)).collect()
+            }
             16 => {
                 let number = |b: &[u8]| {
                     if big {

@@ -35,10 +35,15 @@ impl Palette {
         let [Some(red), Some(green), Some(blue)] = tables else {
             return Err(missing());
         };
+        // Indices of a byte get colours of a byte, as in GDCM: scanners fill the other half of 16 bits anyhow.
+        let wide = bits > 8.0 && dataset.number(tags::BITS_ALLOCATED) != Some(8.0);
+        let shift = if bits > 8.0 && !wide { 8 } else { 0 };
         Ok(Self {
             first: first as i64,
-            colours: (0..count).map(|i| [red[i], green[i], blue[i]]).collect(),
-            most: if bits > 8.0 { 65535 } else { 255 },
+            colours: (0..count)
+                .map(|i| [red[i], green[i], blue[i]].map(|v| v >> shift))
+                .collect(),
+            most: if wide { 65535 } else { 255 },
         })
     }
 

@@ -94,9 +94,15 @@ impl Opened {
         let length = file.get_ref().metadata().map_err(io_error)?.len();
         let meta = Meta::read(&mut file).map_err(io_error)?;
         file.seek(SeekFrom::Start(meta.end)).map_err(io_error)?;
-        let syntax = match meta.syntax {
-            Some(syntax) => syntax,
-            None => guess(path, &mut file, meta.end)?.syntax().to_owned(),
+        let shown = guess(path, &mut file, meta.end)?;
+        let unknown = || {
+            let what = "it names no transfer syntax, and its elements do not show how they are encoded";
+            ReadError::header(path, what).byte(meta.end)
+        };
+        let syntax = match (meta.syntax, shown) {
+            (Some(syntax), _) => syntax,
+            (None, Some(shown)) => shown.syntax().to_owned(),
+            (None, None) => return Err(unknown()),
         };
         let known = TransferSyntaxRegistry.get(&syntax);
         let known = known.ok_or_else(|| {
@@ -108,6 +114,11 @@ impl Opened {
             false => ByteOrder::Little,
         };
         if syntax != DEFLATED {
+            // Some writers put explicit elements in an implicit data set, and the other way round.
+            let shown = shown.filter(|shown| shown.order == ByteOrder::Little && order == ByteOrder::Little);
+            let known = shown
+                .and_then(|shown| TransferSyntaxRegistry.get(shown.syntax()))
+                .unwrap_or(known);
             return Self::of(path, file, known, syntax, order, Bytes::File(length));
         }
         let inflated = Arc::new(inflate(path, file)?);
@@ -151,19 +162,12 @@ pub(super) fn printable(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).take(80).collect()
 }
 
-fn guess(path: &Path, file: &mut BufReader<File>, at: u64) -> Result<Encoding, ReadError> {
-    let mut start = [0; 8];
-    let read = file
-        .read_exact(&mut start)
-        .and_then(|()| file.seek(SeekFrom::Start(at)));
+/// How the elements from byte `at` on are encoded, if they show it. The file is there afterwards.
+fn guess(path: &Path, file: &mut BufReader<File>, at: u64) -> Result<Option<Encoding>, ReadError> {
+    let mut start = Vec::new();
+    let read = (file.by_ref().take(8).read_to_end(&mut start)).and_then(|_| file.seek(SeekFrom::Start(at)));
     read.map_err(|e| ReadError::io(path, e))?;
-    Encoding::guess(&start).ok_or_else(|| {
-        ReadError::header(
-            path,
-            "it names no transfer syntax, and its elements do not show how they are encoded",
-        )
-        .byte(at)
-    })
+    Ok(Encoding::guess(&start))
 }
 
 fn inflate(path: &Path, file: impl Read) -> Result<Vec<u8>, ReadError> {
