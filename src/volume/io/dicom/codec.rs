@@ -239,7 +239,7 @@ fn jpeg_2000(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
     let codestream =
         (stream.windows(4).position(|w| w == [0xff, 0x4f, 0xff, 0x51])).ok_or("it is no JPEG 2000 stream")?;
     let main = Main::read(&stream[codestream..]).ok_or("the main header of its JPEG 2000 stream is damaged")?;
-    main.check()?;
+    main.check(layout)?;
     let settings = DecodeSettings {
         resolve_palette_indices: false,
         strict: false,
@@ -247,10 +247,6 @@ fn jpeg_2000(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
     };
     // Without the boxes around it: what the colours are, the data set says.
     let image = Image::new(&stream[codestream..], &settings).map_err(|e| e.to_string())?;
-    check(
-        layout,
-        [image.width() as usize, image.height() as usize, main.components],
-    )?;
     let mut context = DecoderContext::default();
     let decoded = image.decode(&mut context).map_err(|e| e.to_string())?;
     let components = decoded.components();
@@ -276,6 +272,7 @@ fn jpeg_2000(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
 
 /// What the main header of a JPEG 2000 codestream says, as far as it tells how much a decoder will keep.
 struct Main {
+    size: [usize; 2],
     components: usize,
     precision: u32,
     signed: bool,
@@ -292,6 +289,7 @@ impl Main {
             )))
         };
         let [width, height] = [word(8)?, word(12)?];
+        let size = [width.checked_sub(word(16)?)?, height.checked_sub(word(20)?)?];
         let [tile_width, tile_height] = [word(24)?.max(1), word(28)?.max(1)];
         let depth = *codestream.get(42)?;
         let coding = jpeg12::segments(codestream).find(|s| s.0 == 0x52);
@@ -305,6 +303,7 @@ impl Main {
             along(width, p & 15).saturating_mul(along(height, p >> 4))
         };
         Some(Self {
+            size: size.map(|v| v as usize),
             components: usize::from(u16::from_be_bytes([*codestream.get(40)?, *codestream.get(41)?])),
             precision: u32::from(depth & 0x7f) + 1,
             signed: depth & 0x80 != 0,
@@ -318,8 +317,10 @@ impl Main {
         })
     }
 
-    /// Whether it has so many tiles or so small precincts that their bookkeeping would be more than the image.
-    fn check(&self) -> Result<(), String> {
+    /// Whether it is the image that is wanted, and has neither so many tiles nor so small precincts that their bookkeeping would
+    /// be more than the image.
+    fn check(&self, layout: &Layout) -> Result<(), String> {
+        check(layout, [self.size[0], self.size[1], self.components])?;
         if self.tiles > 1 << 16 || self.precincts > 1 << 18 || self.precision > 32 {
             return Err("its JPEG 2000 stream has tiles or precincts of a few samples, which no scanner makes".into());
         }
