@@ -110,3 +110,38 @@ fn grouped(fragments: &[Fragment], frames: usize, table: &[u64]) -> Option<Vec<V
     }
     (grouped.len() == frames).then_some(grouped)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Items of ten bytes one after another; of which some start a stream.
+    fn items(starts: &[bool]) -> Vec<Fragment> {
+        let item = |(i, &starts): (usize, &bool)| {
+            let start = 100 + 18 * i as u64;
+            Fragment {
+                bytes: start..start + 10,
+                starts,
+            }
+        };
+        starts.iter().enumerate().map(item).collect()
+    }
+
+    /// How many items each frame has.
+    fn sizes(starts: &[bool], frames: usize, table: &[u64]) -> Option<Vec<usize>> {
+        let grouped = grouped(&items(starts), frames, table)?;
+        Some(grouped.iter().map(Vec::len).collect())
+    }
+
+    #[test]
+    fn items_belong_to_frames_by_number_table_or_marker() {
+        assert_eq!(sizes(&[false; 3], 1, &[]), Some(vec![3]));
+        assert_eq!(sizes(&[false; 3], 3, &[]), Some(vec![1; 3]));
+        assert_eq!(sizes(&[false; 3], 2, &[0, 36]), Some(vec![2, 1]));
+        assert_eq!(sizes(&[true, false, true], 2, &[]), Some(vec![2, 1]));
+        // Without either nothing tells.
+        assert_eq!(sizes(&[false; 3], 2, &[]), None);
+        assert_eq!(sizes(&[true; 3], 2, &[]), None);
+        assert_eq!(sizes(&[], 1, &[]), None);
+    }
+}
