@@ -124,9 +124,7 @@ impl Series {
 fn notes(slices: &[Slice], copies: usize) -> Vec<String> {
     let mut notes = slices[0].image.notes.clone();
     if copies > 0 {
-        notes.push(format!(
-            "{copies} files hold images that others hold too: they are left out"
-        ));
+        notes.push(format!("images that are there twice are taken once; copies: {copies}"));
     }
     notes
 }
