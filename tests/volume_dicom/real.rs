@@ -65,7 +65,7 @@ fn simple_itk(oracle: &mut Process, path: &Path) -> Image {
         .as_str()
         .unwrap_or("")
         .split('\\')
-        .flat_map(str::parse)
+        .flat_map(|v| v.trim().parse::<f64>())
         .collect();
     let last = (numbers.len() == 3).then(|| DVec3::from_slice(&numbers));
     Image { header, last, values }
