@@ -8,10 +8,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use charls::CharLS;
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
-use jpeg_decoder::{ColorTransform, Decoder, PixelFormat};
+use jpeg_decoder::{Decoder, PixelFormat};
 
 use super::jpeg12;
-use super::layout::{Colour, Layout};
+use super::layout::Layout;
 
 /// How frames are compressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,14 +177,7 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
         PixelFormat::CMYK32 => (4, 8),
     };
     check(layout, [info.width.into(), info.height.into(), samples])?;
-    // A stream that does not say what its three components are is what the data set says.
-    let says = jpeg12::segments(stream).any(|(marker, ..)| matches!(marker, 0xe0 | 0xee));
-    if samples == 3 && !says {
-        decoder.set_color_transform(match layout.colour {
-            Colour::Rgb => ColorTransform::None,
-            _ => ColorTransform::YCbCr,
-        });
-    }
+    // Whether three components are luma and chromas the stream says: data sets are often wrong about it.
     let bytes = decoder.decode().map_err(|e| e.to_string())?;
     Ok(Frame {
         samples: match precision {
