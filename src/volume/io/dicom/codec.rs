@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use charls::CharLS;
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
-use jpeg_decoder::{Decoder, PixelFormat};
+use jpeg_decoder::{CodingProcess, ColorTransform, Decoder, PixelFormat};
 
 use super::jpeg12;
 use super::layout::Layout;
@@ -177,7 +177,14 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
         PixelFormat::CMYK32 => (4, 8),
     };
     check(layout, [info.width.into(), info.height.into(), samples])?;
-    // Whether three components are luma and chromas the stream says: data sets are often wrong about it.
+    // Whether three components are luma and chromas the stream says, and data sets are often wrong about it. Of the lossless
+    // process they are what the data set says; otherwise what Adobe's marker says goes before the components' numbers.
+    let lossless = info.coding_process == CodingProcess::Lossless;
+    let adobe = jpeg12::segments(stream)
+        .any(|(marker, s, _)| marker == 0xee && s.starts_with(b"Adobe") && s.get(11) == Some(&0));
+    if samples == 3 && (lossless || adobe) {
+        decoder.set_color_transform(ColorTransform::None);
+    }
     let bytes = decoder.decode().map_err(|e| e.to_string())?;
     Ok(Frame {
         samples: match precision {
@@ -185,7 +192,7 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
             _ => words(&bytes),
         },
         precision,
-        is_rgb: true,
+        is_rgb: !lossless,
     })
 }
 
