@@ -177,13 +177,13 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
         PixelFormat::CMYK32 => (4, 8),
     };
     check(layout, [info.width.into(), info.height.into(), samples])?;
-    // Whether three components are luma and chromas the stream says, and data sets are often wrong about it. Of the lossless
-    // process they are what the data set says; otherwise what Adobe's marker says goes before the components' numbers.
+    // Of the lossless process the components are what the data set says.
     let lossless = info.coding_process == CodingProcess::Lossless;
-    let adobe = jpeg12::segments(stream)
-        .any(|(marker, s, _)| marker == 0xee && s.starts_with(b"Adobe") && s.get(11) == Some(&0));
-    if samples == 3 && (lossless || adobe) {
-        decoder.set_color_transform(ColorTransform::None);
+    if samples == 3 {
+        decoder.set_color_transform(match lossless || is_rgb(stream) {
+            true => ColorTransform::None,
+            false => ColorTransform::YCbCr,
+        });
     }
     let bytes = decoder.decode().map_err(|e| e.to_string())?;
     Ok(Frame {
@@ -194,6 +194,19 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
         precision,
         is_rgb: !lossless,
     })
+}
+
+/// Whether the three components of a JPEG stream are red, green and blue, and not luma and chromas: by libjpeg's rule, since data
+/// sets are often wrong about it.
+fn is_rgb(stream: &[u8]) -> bool {
+    let segment = |wanted| jpeg12::segments(stream).find(|s| s.0 == wanted).map(|s| s.1);
+    let adobe = segment(0xee).filter(|s| s.len() >= 12 && s.starts_with(b"Adobe"));
+    let frame = (0xc0..=0xc2).find_map(segment);
+    match (segment(0xe0), adobe) {
+        (Some([b'J', b'F', b'I', b'F', 0, ..]), _) => false,
+        (_, Some(adobe)) => adobe[11] == 0,
+        _ => matches!(frame, Some([_, _, _, _, _, 3, b'R', _, _, b'G', _, _, b'B', ..])),
+    }
 }
 
 /// Samples of 16 bits in the machine's order.
