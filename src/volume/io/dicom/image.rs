@@ -59,9 +59,14 @@ pub(super) struct Frame {
     pub rescale: [f64; 2],
     /// What orders frames at one place: points in time, echoes.
     pub order: [i64; 3],
-    /// Where its bytes are.
+    bytes: Place,
+}
+
+/// Where a frame's bytes are.
+#[derive(Clone, Debug, PartialEq)]
+struct Place {
     ranges: Vec<Range<u64>>,
-    /// Bits of its first byte that are the frame's before.
+    /// How many of its first bits are the frame's before.
     skip: usize,
 }
 
@@ -84,7 +89,7 @@ impl Image {
             layout: &layout,
             codec,
         };
-        let ranges = frames.ranges(pixels)?;
+        let places = frames.places(pixels)?;
         let text = |tag| printable(&dataset.text(tag).unwrap_or_default());
         let whole = |tag| dataset.number(tag).unwrap_or(0.0) as i64;
         Ok(Some(Self {
@@ -97,7 +102,7 @@ impl Image {
                 .unwrap_or_default()
                 .split('\\')
                 .any(|word| word == "MOSAIC"),
-            frames: frames_of(path, dataset, ranges)?,
+            frames: frames_of(path, dataset, places)?,
             palette: (layout.colour == Colour::Palette)
                 .then(|| Palette::new(path, dataset))
                 .transpose()?,
@@ -111,13 +116,13 @@ impl Image {
 
     /// The stored values of a frame, those of a pixel together; of a palette's or luma's, what they stand for.
     pub(super) fn stored(&self, frame: &Frame) -> Result<Vec<i64>, ReadError> {
-        let mut bytes = self.bytes.read(&self.path, &frame.ranges)?;
+        let mut bytes = self.bytes.read(&self.path, &frame.bytes.ranges)?;
         let layout = &self.layout;
         if layout.swaps(self.words) {
             bytes.chunks_exact_mut(2).for_each(<[u8]>::reverse);
         }
         let (mut values, is_rgb) = match self.codec {
-            Codec::Native => (layout.native(&bytes, frame.skip), false),
+            Codec::Native => (layout.native(&bytes, frame.bytes.skip), false),
             codec => codec.decode(&bytes, layout).map_err(|what| self.damaged(frame, what))?,
         };
         drop(bytes);
@@ -139,7 +144,7 @@ impl Image {
     }
 
     fn damaged(&self, frame: &Frame, what: String) -> ReadError {
-        let at = frame.ranges.first().map_or(0, |range| range.start);
+        let at = frame.bytes.ranges.first().map_or(0, |range| range.start);
         ReadError::header(&self.path, format!("a frame cannot be decompressed: {what}"))
             .byte(at)
             .hint("the file is incomplete or damaged: copy or export it again")
@@ -166,8 +171,8 @@ struct Locator<'a> {
 }
 
 impl Locator<'_> {
-    /// The bytes of each frame, and how many bits of the first are not its.
-    fn ranges(&self, pixels: Pixels) -> Result<Vec<(Vec<Range<u64>>, usize)>, ReadError> {
+    /// The bytes of each frame.
+    fn places(&self, pixels: Pixels) -> Result<Vec<Place>, ReadError> {
         let dataset = &self.opened.dataset;
         let frames = dataset.number(tags::NUMBER_OF_FRAMES).unwrap_or(1.0).max(1.0);
         if frames > MAX_FRAMES {
@@ -193,13 +198,7 @@ impl Locator<'_> {
         }
     }
 
-    fn native(
-        &self,
-        offset: u64,
-        declared: u64,
-        words: bool,
-        frames: u64,
-    ) -> Result<Vec<(Vec<Range<u64>>, usize)>, ReadError> {
+    fn native(&self, offset: u64, declared: u64, words: bool, frames: u64) -> Result<Vec<Place>, ReadError> {
         let bits = self.layout.native_samples() as u64 * u64::from(self.layout.allocated);
         let expected = frames.saturating_mul(bits).div_ceil(8);
         let found = declared.min(self.opened.bytes.len().saturating_sub(offset));
@@ -211,15 +210,16 @@ impl Locator<'_> {
         let frame = |i: u64| {
             let first = i * bits / unit * (unit / 8);
             let end = ((i + 1) * bits).div_ceil(unit) * (unit / 8);
-            (
-                vec![offset + first..offset + end.min(found)],
-                (i * bits % unit) as usize,
-            )
+            let range = offset + first..offset + end.min(found);
+            Place {
+                ranges: vec![range],
+                skip: (i * bits % unit) as usize,
+            }
         };
         Ok((0..frames).map(frame).collect())
     }
 
-    fn encapsulated(&self, offset: u64, frames: u64) -> Result<Vec<(Vec<Range<u64>>, usize)>, ReadError> {
+    fn encapsulated(&self, offset: u64, frames: u64) -> Result<Vec<Place>, ReadError> {
         let Opened { dataset, bytes, .. } = self.opened;
         let table: Vec<u64> = dataset
             .numbers(tags::EXTENDED_OFFSET_TABLE)
@@ -236,7 +236,7 @@ impl Locator<'_> {
                 return Err(ReadError::new(self.path, Problem::Implausible { expected, compressed }).byte(at));
             }
         }
-        Ok(frames.into_iter().map(|ranges| (ranges, 0)).collect())
+        Ok(frames.into_iter().map(|ranges| Place { ranges, skip: 0 }).collect())
     }
 }
 
@@ -273,14 +273,14 @@ impl<'a> Sayings<'a> {
     }
 }
 
-fn frames_of(path: &Path, dataset: &Dataset, ranges: Vec<(Vec<Range<u64>>, usize)>) -> Result<Vec<Frame>, ReadError> {
+fn frames_of(path: &Path, dataset: &Dataset, places: Vec<Place>) -> Result<Vec<Frame>, ReadError> {
     let offsets = dataset.numbers(tags::GRID_FRAME_OFFSET_VECTOR);
     let slices = dataset.numbers(tags::SLICE_VECTOR);
-    let several = ranges.len() > 1;
+    let several = places.len() > 1;
     let mut frames = Vec::new();
-    for (i, (ranges, skip)) in ranges.into_iter().enumerate() {
+    for (i, place) in places.into_iter().enumerate() {
         let sayings = Sayings::of(dataset, i);
-        let mut frame = frame(path, &sayings, ranges, skip)?;
+        let mut frame = frame(path, &sayings, place)?;
         let own = sayings
             .groups
             .iter()
@@ -300,7 +300,7 @@ fn frames_of(path: &Path, dataset: &Dataset, ranges: Vec<(Vec<Range<u64>>, usize
     Ok(frames)
 }
 
-fn frame(path: &Path, sayings: &Sayings, ranges: Vec<Range<u64>>, skip: usize) -> Result<Frame, ReadError> {
+fn frame(path: &Path, sayings: &Sayings, bytes: Place) -> Result<Frame, ReadError> {
     let image = sayings.image;
     let spacing = sayings.spacing().unwrap_or([1.0; 2]);
     let step = sayings.find(tags::PIXEL_MEASURES_SEQUENCE, |d| {
@@ -329,8 +329,7 @@ fn frame(path: &Path, sayings: &Sayings, ranges: Vec<Range<u64>>, skip: usize) -
             transformation(tags::RESCALE_INTERCEPT).unwrap_or(0.0),
         ],
         order: [time.unwrap_or(0.0) as i64, whole(tags::INSTANCE_NUMBER), 0],
-        ranges,
-        skip,
+        bytes,
     })
 }
 
