@@ -195,7 +195,7 @@ fn doses_are_in_their_unit() {
 
 #[test]
 fn elements_that_are_not_encoded_as_declared_are_read_as_they_are() {
-    // Declared explicit, written implicit. The same image is elsewhere, with chromas interpolated by another rule at edges.
+    // Declared explicit, written implicit.
     let path = data("pydicom").join("SC_rgb_jpeg.dcm");
     let volume = io::read(&path).unwrap_or_else(|e| panic!("{e}"));
     let image = simple_itk(&mut oracle(), &path);

@@ -5,6 +5,9 @@ use vcsg::volume::io;
 
 use crate::file::{EXPLICIT, Elements, File, JPEG_LS, RLE, Value};
 
+/// What spoils a slice, and what the message says of it.
+type Case<'a> = (&'a dyn Fn(&mut File), &'a str);
+
 /// The message for a slice that `change` spoils.
 fn refusal(change: impl Fn(&mut File)) -> String {
     let folder = tempdir().unwrap();
@@ -18,7 +21,7 @@ fn refusal(change: impl Fn(&mut File)) -> String {
 
 #[test]
 fn bad_files_are_refused_with_what_is_wrong() {
-    let cases: [(&dyn Fn(&mut File), &str); 14] = [
+    let cases: [Case; 14] = [
         (
             &|f| f.text((0x8, 0x8), "CS", "ORIGINAL\\PRIMARY\\M\\MOSAIC"),
             "Siemens mosaic",

@@ -11,7 +11,7 @@ use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 use jpeg_decoder::{CodingProcess, ColorTransform, Decoder, PixelFormat};
 
 use super::jpeg12;
-use super::layout::Layout;
+use super::layout::{Colour, Layout};
 
 /// How frames are compressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,7 +180,7 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
     // Of the lossless process the components are what the data set says.
     let lossless = info.coding_process == CodingProcess::Lossless;
     if samples == 3 {
-        decoder.set_color_transform(match lossless || is_rgb(stream) {
+        decoder.set_color_transform(match lossless || is_rgb(stream, layout) {
             true => ColorTransform::None,
             false => ColorTransform::YCbCr,
         });
@@ -196,16 +196,15 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
     })
 }
 
-/// Whether the three components of a JPEG stream are red, green and blue, and not luma and chromas: by libjpeg's rule, since data
-/// sets are often wrong about it.
-fn is_rgb(stream: &[u8]) -> bool {
+/// Whether the three components of a JPEG stream are red, green and blue, and not luma and chromas. The stream's markers go
+/// before what the data set says, which is often wrong.
+fn is_rgb(stream: &[u8], layout: &Layout) -> bool {
     let segment = |wanted| jpeg12::segments(stream).find(|s| s.0 == wanted).map(|s| s.1);
     let adobe = segment(0xee).filter(|s| s.len() >= 12 && s.starts_with(b"Adobe"));
-    let frame = (0xc0..=0xc2).find_map(segment);
     match (segment(0xe0), adobe) {
         (Some([b'J', b'F', b'I', b'F', 0, ..]), _) => false,
         (_, Some(adobe)) => adobe[11] == 0,
-        _ => matches!(frame, Some([_, _, _, _, _, 3, b'R', _, _, b'G', _, _, b'B', ..])),
+        _ => layout.colour == Colour::Rgb,
     }
 }
 
