@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::error::ReadError;
 use super::open::{Opened, ReadOptions};
 use super::write::Writer;
-use super::{metaimage, nifti, nrrd, raw, slices, tiff, volpack, vtk, zarr};
+use super::{dicom, metaimage, nifti, nrrd, raw, slices, tiff, volpack, vtk, zarr};
 
 /// A format of volume files.
 pub struct Format {
@@ -26,13 +26,14 @@ pub struct Format {
 }
 
 /// All formats; the first that recognises a file reads it.
-pub const FORMATS: [&Format; 10] = [
+pub const FORMATS: [&Format; 11] = [
     &nrrd::FORMAT,
     &nifti::FORMAT,
     &metaimage::FORMAT,
     &vtk::XML,
     &vtk::LEGACY,
     &tiff::FORMAT,
+    &dicom::FORMAT,
     &zarr::FORMAT,
     &slices::FORMAT,
     &volpack::FORMAT,

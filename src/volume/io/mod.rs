@@ -2,6 +2,7 @@
 
 mod budget;
 mod components;
+mod dicom;
 mod error;
 mod files;
 mod format;

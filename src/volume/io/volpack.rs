@@ -13,7 +13,8 @@ use glam::DAffine3;
 use super::error::ReadError;
 use super::format::Format;
 use super::open::{Declared, Opened, ReadOptions};
-use super::payload::{ByteOrder, Payload, Stored};
+use super::payload::Payload;
+use super::stored::{ByteOrder, Stored};
 use crate::volume::grid::voxel_count;
 use crate::volume::voxel::VoxelType;
 

@@ -9,7 +9,7 @@ use tiff::tags::SampleFormat;
 use crate::volume::grid::Voxels;
 use crate::volume::io::components::Components;
 use crate::volume::io::error::ReadError;
-use crate::volume::io::payload::Stored;
+use crate::volume::io::stored::Stored;
 use crate::volume::voxel::{Voxel, VoxelType, map_type};
 
 /// What the samples of a pixel are.

@@ -18,7 +18,8 @@ use super::page::Layout;
 use super::shown::Shown;
 use crate::volume::grid::Voxels;
 use crate::volume::io::error::{Problem, ReadError};
-use crate::volume::io::payload::{ByteOrder, Payload, Stored};
+use crate::volume::io::payload::Payload;
+use crate::volume::io::stored::{ByteOrder, Stored};
 
 /// No compression that is read makes less of so many bytes than one: the best is fax's, a bit for a white row.
 const MAX_RATIO: u64 = 1 << 13;
