@@ -9,6 +9,7 @@ use super::error::{Problem, ReadError};
 use super::open::Chunks;
 use super::payload::{ByteOrder, Payload, Stored, voxels};
 use crate::volume::grid::Voxels;
+use crate::volume::voxel::Voxel;
 
 /// Voxels handed over at a time.
 const CHUNK_VOXELS: usize = 1 << 20;
@@ -33,6 +34,8 @@ pub(super) enum Source {
     Binary(Box<dyn Read + Send>, ByteOrder),
     /// Numbers between white space.
     Text(Words),
+    /// Numbers from 0 to 1 between white space, of bytes from 0 to 255.
+    Fractions(Words),
 }
 
 impl Scalars {
@@ -58,6 +61,9 @@ impl Scalars {
                     count,
                 };
                 payload.decode(bytes, 0)
+            }
+            Source::Fractions(words) => {
+                (numbers::<f32>(words, count).map(bytes)).map_err(|e| ReadError::new(&self.path, e))
             }
             Source::Text(words) => parse(words, self.stored, count).map_err(|e| ReadError::new(&self.path, e)),
         };
@@ -121,6 +127,15 @@ impl Words {
 
 fn is_separator(byte: u8) -> bool {
     byte.is_ascii_whitespace() || byte == b','
+}
+
+fn bytes(fractions: Vec<f32>) -> Voxels {
+    Voxels::U8(
+        fractions
+            .into_iter()
+            .map(|v| u8::nearest(f64::from(v) * 255.0))
+            .collect(),
+    )
 }
 
 fn parse(words: &mut Words, stored: Stored, count: usize) -> Result<Voxels, Problem> {
