@@ -89,6 +89,11 @@ fn check(oracle: &mut Oracle, folder: &TempDir, case: &Case) {
     let request = merged(&[&place(), &what, &case.writer]);
     let seen = oracle.write(&request, &bytes);
     assert_eq!(seen.count, count(case.of), "{request}");
+    // In text, legacy files have six digits of a number: what VTK reads of them counts.
+    let numbers = match suffix {
+        "vtk" => oracle.read(&path, case.of).1,
+        _ => numbers,
+    };
     for component in 0..case.components {
         let options = ReadOptions {
             component: Some(component),
