@@ -85,14 +85,7 @@ fn scalars(
     let io_error = |e| ReadError::io(path, e);
     let mut file = File::open(path).map_err(io_error)?;
     let length = file.metadata().map_err(io_error)?.len();
-    let (start, bytes) = match (content, header.appended) {
-        (Content::Ascii(range) | Content::Inline(range), _) => (range.start, range.end - range.start),
-        (Content::Appended(offset), Some(appended)) => {
-            let start = appended.start.saturating_add(*offset);
-            (start, length.saturating_sub(start))
-        }
-        (Content::Appended(_), None) => return Err(ReadError::header(path, "it has no AppendedData")),
-    };
+    let (start, bytes) = span(path, header, content, length)?;
     let truncated = |found| {
         ReadError::new(
             path,
@@ -142,6 +135,18 @@ fn scalars(
             let source = Source::Binary(bytes, header.words.order);
             Ok(Scalars::new(path.to_owned(), choice.stored, count, source))
         }
+    }
+}
+
+/// Where an array's data begins in a file of so many bytes, and how many there are for it.
+fn span(path: &Path, header: &Header, content: &Content, length: u64) -> Result<(u64, u64), ReadError> {
+    match (content, header.appended) {
+        (Content::Ascii(range) | Content::Inline(range), _) => Ok((range.start, range.end - range.start)),
+        (Content::Appended(offset), Some(appended)) => {
+            let start = appended.start.saturating_add(*offset);
+            Ok((start, length.saturating_sub(start)))
+        }
+        (Content::Appended(_), None) => Err(ReadError::header(path, "it has no AppendedData")),
     }
 }
 
