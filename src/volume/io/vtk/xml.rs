@@ -101,13 +101,11 @@ fn scalars(
     let is_base64 = match content {
         Content::Ascii(_) => {
             // A number takes a digit and a separator.
-            let text = match bytes.saturating_add(1) / 2 < count as u64 {
-                true => {
-                    return Err(ReadError::header(path, format!("its text has less than {count} numbers")).byte(start));
-                }
-                false => Text::new(Box::new(text)),
-            };
-            return Ok(Scalars::new(path.to_owned(), choice.stored, count, Source::Text(text)));
+            if bytes.saturating_add(1) / 2 < count as u64 {
+                return Err(too_few(path, count).byte(start));
+            }
+            let source = Source::Text(Text::new(Box::new(text)));
+            return Ok(Scalars::new(path.to_owned(), choice.stored, count, source));
         }
         Content::Inline(_) => true,
         Content::Appended(_) => header.appended.is_some_and(|appended| appended.is_base64),
@@ -136,6 +134,10 @@ fn scalars(
             Ok(Scalars::new(path.to_owned(), choice.stored, count, source))
         }
     }
+}
+
+fn too_few(path: &Path, count: usize) -> ReadError {
+    ReadError::header(path, format!("its text has less than {count} numbers"))
 }
 
 /// Where an array's data begins in a file of so many bytes, and how many there are for it.
