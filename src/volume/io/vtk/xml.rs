@@ -81,21 +81,12 @@ fn scalars(
 ) -> Result<Scalars, ReadError> {
     let count = voxel_count(dims).map_err(|e| ReadError::new(path, e))?;
     let count = count.saturating_mul(choice.components.count());
-    let needed = (count as u64).saturating_mul(choice.stored.bytes() as u64);
+    let expected = (count as u64).saturating_mul(choice.stored.bytes() as u64);
     let io_error = |e| ReadError::io(path, e);
     let mut file = File::open(path).map_err(io_error)?;
     let length = file.metadata().map_err(io_error)?.len();
     let (start, bytes) = span(path, header, content, length)?;
-    let truncated = |found| {
-        ReadError::new(
-            path,
-            Problem::Truncated {
-                expected: needed,
-                found,
-            },
-        )
-        .byte(start)
-    };
+    let truncated = |found| ReadError::new(path, Problem::Truncated { expected, found }).byte(start);
     file.seek(SeekFrom::Start(start)).map_err(io_error)?;
     let text = BufReader::new(file).take(bytes);
     let is_base64 = match content {
@@ -111,7 +102,7 @@ fn scalars(
         Content::Appended(_) => header.appended.is_some_and(|appended| appended.is_base64),
     };
     let ratio = header.compressor.map_or(1, super::xml_header::Compressor::best_ratio);
-    if needed / ratio > bytes {
+    if expected / ratio > bytes {
         return Err(truncated(bytes));
     }
     let bytes: Box<dyn Read + Send> = match is_base64 {
@@ -124,9 +115,9 @@ fn scalars(
         _ => ReadError::io(path, e),
     });
     match opened? {
-        (declared, _) if declared < needed => Err(truncated(declared)),
-        (declared, _) if declared > needed => {
-            let what = format!("an array has {declared} bytes, where its extent asks for {needed}");
+        (declared, _) if declared < expected => Err(truncated(declared)),
+        (declared, _) if declared > expected => {
+            let what = format!("an array has {declared} bytes, where its extent asks for {expected}");
             Err(ReadError::header(path, what).byte(start))
         }
         (_, bytes) => {
