@@ -147,7 +147,7 @@ fn bad_legacy_files_are_refused() {
         ("DIMENSIONS 2 2 2", "DIMENSIONS 2 2", "3 numbers"),
         ("POINT_DATA 8", "POINT_DATA 7", "7 values for 8"),
         ("BINARY", "BOTH", "BINARY"),
-        ("short", "string", "no array"),
+        ("short", "string", "`string` is not read"),
     ] {
         let error = read(
             "a.vtk",

@@ -51,32 +51,29 @@ fn count(of: &str) -> usize {
 
 /// Bytes of the type that are a number each, no NaN, and change from value to value.
 fn values(kind: &str, count: usize) -> (Vec<u8>, Vec<f64>) {
-    let number = |i: usize| ((i * 2_654_435_761) % 200_003) as f64;
+    let whole = |i: usize| (i as u64 * 2_654_435_761) % 200_003;
+    let part = |i: usize| whole(i) as f64 / 7.0 - 9000.0;
     let mut bytes = Vec::new();
     let mut numbers = Vec::new();
     for i in 0..count {
         macro_rules! put {
-            ($T:ident) => {{
-                let v = if stringify!($T).starts_with('f') {
-                    number(i) / 7.0 - 9000.0
-                } else {
-                    number(i)
-                } as $T;
+            ($T:ident $number:ident) => {{
+                let v = $number(i) as $T;
                 bytes.extend(v.to_le_bytes());
                 numbers.push(v as f64);
             }};
         }
         match kind {
-            "u8" => put!(u8),
-            "i8" => put!(i8),
-            "u16" => put!(u16),
-            "i16" => put!(i16),
-            "u32" => put!(u32),
-            "i32" => put!(i32),
-            "f32" => put!(f32),
-            "f64" => put!(f64),
-            "i64" => put!(i64),
-            _ => put!(u64),
+            "u8" => put!(u8 whole),
+            "i8" => put!(i8 whole),
+            "u16" => put!(u16 whole),
+            "i16" => put!(i16 whole),
+            "u32" => put!(u32 whole),
+            "i32" => put!(i32 whole),
+            "f32" => put!(f32 part),
+            "f64" => put!(f64 part),
+            "i64" => put!(i64 whole),
+            _ => put!(u64 whole),
         }
     }
     (bytes, numbers)
@@ -92,6 +89,11 @@ fn check(oracle: &mut Oracle, folder: &TempDir, case: &Case) {
     let request = merged(&[&place(), &what, &case.writer]);
     let seen = oracle.write(&request, &bytes);
     assert_eq!(seen.count, count(case.of), "{request}");
+    // In text, legacy files have six digits of a number: what VTK reads of them counts.
+    let numbers = match suffix {
+        "vtk" => oracle.read(&path, case.of).1,
+        _ => numbers,
+    };
     for component in 0..case.components {
         let options = ReadOptions {
             component: Some(component),

@@ -106,7 +106,7 @@ fn offers(name: &str, bytes: u64) -> Vec<Offer> {
     let exact = |[x, y]: [usize; 2], voxel: VoxelType| {
         let slice = (x * y * voxel.bytes()) as u64;
         let slices = (bytes / slice) as usize;
-        (bytes % slice == 0 && slices > 1).then_some(Offer {
+        (bytes.is_multiple_of(slice) && slices > 1).then_some(Offer {
             dims: [x, y, slices],
             voxel,
             skip: 0,

@@ -10,6 +10,7 @@ use super::open::Chunks;
 use super::source::fill;
 use super::stored::{ByteOrder, Stored, decode, voxels};
 use crate::volume::grid::Voxels;
+use crate::volume::voxel::Voxel;
 
 /// Voxels handed over at a time.
 const CHUNK_VOXELS: usize = 1 << 20;
@@ -34,6 +35,8 @@ pub(super) enum Source {
     Binary(Box<dyn Read + Send>, ByteOrder),
     /// Numbers between white space.
     Text(Words),
+    /// Numbers from 0 to 1 between white space, of bytes from 0 to 255.
+    Fractions(Words),
 }
 
 impl Scalars {
@@ -59,6 +62,9 @@ impl Scalars {
                     before += part.len() as u64;
                     Ok(())
                 })
+            }
+            Source::Fractions(words) => {
+                (numbers::<f32>(words, count).map(bytes)).map_err(|e| ReadError::new(&self.path, e))
             }
             Source::Text(words) => parse(words, self.stored, count).map_err(|e| ReadError::new(&self.path, e)),
         };
@@ -122,6 +128,15 @@ impl Words {
 
 fn is_separator(byte: u8) -> bool {
     byte.is_ascii_whitespace() || byte == b','
+}
+
+fn bytes(fractions: Vec<f32>) -> Voxels {
+    Voxels::U8(
+        fractions
+            .into_iter()
+            .map(|v| u8::nearest(f64::from(v) * 255.0))
+            .collect(),
+    )
 }
 
 fn parse(words: &mut Words, stored: Stored, count: usize) -> Result<Voxels, Problem> {

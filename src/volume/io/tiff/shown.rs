@@ -62,7 +62,7 @@ mod tests {
         shown.show(Some((4, [40, 50])));
         for size in 1..10 {
             shown.seek(SeekFrom::Start(2)).unwrap();
-            let mut bytes = Vec::new();
+            let mut bytes: Vec<u8> = Vec::new();
             let mut part = vec![0; size];
             while let n @ 1.. = shown.read(&mut part).unwrap() {
                 bytes.extend(&part[..n]);

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::legacy_header::{Data, Header};
+use super::legacy_header::{Data, FRACTIONS, Header};
 use super::{Array, choose, declared};
 use crate::volume::grid::voxel_count;
 use crate::volume::io::error::ReadError;
@@ -42,18 +42,19 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         path.to_owned(),
         choice.stored,
         count,
-        source(path, data, header.is_binary)?,
+        source(path, data, header.is_binary, &arrays[choice.index])?,
     );
     Opened::new(path.to_owned(), declared, scalars.chunks(choice.components))
 }
 
-fn source(path: &Path, data: &Data, is_binary: bool) -> Result<Source, ReadError> {
+fn source(path: &Path, data: &Data, is_binary: bool, array: &Array) -> Result<Source, ReadError> {
     let io_error = |e| ReadError::io(path, e);
     let mut file = File::open(path).map_err(io_error)?;
     file.seek(SeekFrom::Start(data.start)).map_err(io_error)?;
     let bytes = BufReader::new(file).take(data.bytes);
     Ok(match is_binary {
         true => Source::Binary(Box::new(bytes), ByteOrder::Big),
+        false if array.kind.0 == FRACTIONS => Source::Fractions(Words::new(Box::new(bytes))),
         false => Source::Text(Words::new(Box::new(bytes))),
     })
 }

@@ -18,6 +18,9 @@ use crate::volume::voxel::VoxelType;
 /// The longest line of a header that is believed.
 const LONGEST_LINE: u64 = 4096;
 
+/// Bytes that text has as numbers from 0 to 1, as it has colours.
+pub(super) const FRACTIONS: &str = "colours";
+
 /// Where an array's data is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Data {
@@ -189,8 +192,8 @@ impl Scan<'_> {
                     self.array(word(1), word(2), count(3).unwrap_or(1), tuples, true)?;
                 }
                 "color_scalars" => {
-                    let kind = if self.is_binary { "unsigned_char" } else { "float" };
-                    self.array(word(1), kind, count(2).unwrap_or(1), tuples, false)?;
+                    let kind = if self.is_binary { "unsigned_char" } else { FRACTIONS };
+                    self.array(word(1), kind, count(2).unwrap_or(1), tuples, true)?;
                 }
                 "vectors" | "normals" => self.array(word(1), word(2), 3, tuples, false)?,
                 "tensors" => self.array(word(1), word(2), 9, tuples, false)?,
@@ -331,7 +334,7 @@ impl Scan<'_> {
 fn stored(name: &str) -> Option<Stored> {
     Some(match name {
         "char" | "signed_char" | "vtktypeint8" => Stored::Voxel(VoxelType::I8),
-        "unsigned_char" | "vtktypeuint8" => Stored::Voxel(VoxelType::U8),
+        FRACTIONS | "unsigned_char" | "vtktypeuint8" => Stored::Voxel(VoxelType::U8),
         "short" | "vtktypeint16" => Stored::Voxel(VoxelType::I16),
         "unsigned_short" | "vtktypeuint16" => Stored::Voxel(VoxelType::U16),
         "int" | "vtkidtype" | "vtktypeint32" => Stored::Voxel(VoxelType::I32),

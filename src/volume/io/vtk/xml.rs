@@ -83,46 +83,28 @@ fn scalars(
 ) -> Result<Scalars, ReadError> {
     let count = voxel_count(dims).map_err(|e| ReadError::new(path, e))?;
     let count = count.saturating_mul(choice.components.count());
-    let needed = (count as u64).saturating_mul(choice.stored.bytes() as u64);
+    let expected = (count as u64).saturating_mul(choice.stored.bytes() as u64);
     let io_error = |e| ReadError::io(path, e);
     let mut file = File::open(path).map_err(io_error)?;
     let length = file.metadata().map_err(io_error)?.len();
-    let (start, bytes) = match (content, header.appended) {
-        (Content::Ascii(range) | Content::Inline(range), _) => (range.start, range.end - range.start),
-        (Content::Appended(offset), Some(appended)) => {
-            let start = appended.start.saturating_add(*offset);
-            (start, length.saturating_sub(start))
-        }
-        (Content::Appended(_), None) => return Err(ReadError::header(path, "it has no AppendedData")),
-    };
-    let truncated = |found| {
-        ReadError::new(
-            path,
-            Problem::Truncated {
-                expected: needed,
-                found,
-            },
-        )
-        .byte(start)
-    };
+    let (start, bytes) = span(path, header, content, length)?;
+    let truncated = |found| ReadError::new(path, Problem::Truncated { expected, found }).byte(start);
     file.seek(SeekFrom::Start(start)).map_err(io_error)?;
     let text = BufReader::new(file).take(bytes);
     let is_base64 = match content {
         Content::Ascii(_) => {
             // A number takes a digit and a separator.
-            let text = match bytes.saturating_add(1) / 2 < count as u64 {
-                true => {
-                    return Err(ReadError::header(path, format!("its text has less than {count} numbers")).byte(start));
-                }
-                false => Text::new(Box::new(text)),
-            };
-            return Ok(Scalars::new(path.to_owned(), choice.stored, count, Source::Text(text)));
+            if bytes.saturating_add(1) / 2 < count as u64 {
+                return Err(too_few(path, count).byte(start));
+            }
+            let source = Source::Text(Text::new(Box::new(text)));
+            return Ok(Scalars::new(path.to_owned(), choice.stored, count, source));
         }
         Content::Inline(_) => true,
         Content::Appended(_) => header.appended.is_some_and(|appended| appended.is_base64),
     };
     let ratio = header.compressor.map_or(1, super::xml_header::Compressor::best_ratio);
-    if needed / ratio > bytes {
+    if expected / ratio > bytes {
         return Err(truncated(bytes));
     }
     let bytes: Box<dyn Read + Send> = match is_base64 {
@@ -135,15 +117,31 @@ fn scalars(
         _ => ReadError::io(path, e),
     });
     match opened? {
-        (declared, _) if declared < needed => Err(truncated(declared)),
-        (declared, _) if declared > needed => {
-            let what = format!("an array has {declared} bytes, where its extent asks for {needed}");
+        (declared, _) if declared < expected => Err(truncated(declared)),
+        (declared, _) if declared > expected => {
+            let what = format!("an array has {declared} bytes, where its extent asks for {expected}");
             Err(ReadError::header(path, what).byte(start))
         }
         (_, bytes) => {
             let source = Source::Binary(bytes, header.words.order);
             Ok(Scalars::new(path.to_owned(), choice.stored, count, source))
         }
+    }
+}
+
+fn too_few(path: &Path, count: usize) -> ReadError {
+    ReadError::header(path, format!("its text has less than {count} numbers"))
+}
+
+/// Where an array's data begins in a file of so many bytes, and how many there are for it.
+fn span(path: &Path, header: &Header, content: &Content, length: u64) -> Result<(u64, u64), ReadError> {
+    match (content, header.appended) {
+        (Content::Ascii(range) | Content::Inline(range), _) => Ok((range.start, range.end - range.start)),
+        (Content::Appended(offset), Some(appended)) => {
+            let start = appended.start.saturating_add(*offset);
+            Ok((start, length.saturating_sub(start)))
+        }
+        (Content::Appended(_), None) => Err(ReadError::header(path, "it has no AppendedData")),
     }
 }
 

@@ -216,16 +216,19 @@ impl Parser<'_> {
     /// Passes over the text that an array holds, and elements before it, and says where it is.
     fn text(&mut self) -> Result<Range<u64>, ReadError> {
         let mut buffer = Vec::new();
+        // Elements within the array that are open.
+        let mut depth = 0_usize;
         loop {
             let (range, is_blank) = self.pass().map_err(|e| ReadError::io(self.path, e))?;
-            if !is_blank {
+            if depth == 0 && !is_blank {
                 return Ok(range);
             }
             buffer.clear();
             let event = self.xml.read_event_into(&mut buffer);
             match event.map_err(|e| ReadError::header(self.path, format!("it is no XML: {e}")).byte(range.end))? {
-                Event::End(element) if element.name().as_ref() == "DataArray" => return Ok(range),
-                Event::Eof => return Ok(range),
+                Event::Start(_) => depth += 1,
+                Event::End(_) if depth > 0 => depth -= 1,
+                Event::End(_) | Event::Eof => return Ok(range),
                 _ => {}
             }
         }
