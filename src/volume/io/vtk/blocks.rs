@@ -103,7 +103,10 @@ impl<R: Read> Blocks<R> {
     fn next_block(&mut self) -> io::Result<()> {
         self.done = 0;
         self.block.clear();
-        while let (true, Some((compressed, size))) = (self.block.is_empty(), self.sizes.pop()) {
+        while self.block.is_empty() {
+            let Some((compressed, size)) = self.sizes.pop() else {
+                break;
+            };
             let mut bytes = Vec::new();
             if self.stream.by_ref().take(compressed).read_to_end(&mut bytes)? as u64 != compressed {
                 return Err(io::ErrorKind::UnexpectedEof.into());

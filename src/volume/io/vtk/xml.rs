@@ -96,27 +96,19 @@ fn scalars(
         (Content::Appended(_), None) => return Err(ReadError::header(path, "it has no AppendedData")),
     };
     let truncated = |found| {
-        ReadError::new(
-            path,
-            Problem::Truncated {
-                expected: needed,
-                found,
-            },
-        )
-        .byte(start)
+        let expected = needed;
+        ReadError::new(path, Problem::Truncated { expected, found }).byte(start)
     };
     file.seek(SeekFrom::Start(start)).map_err(io_error)?;
     let text = BufReader::new(file).take(bytes);
     let is_base64 = match content {
         Content::Ascii(_) => {
             // A number takes a digit and a separator.
-            let text = match bytes.saturating_add(1) / 2 < count as u64 {
-                true => {
-                    return Err(ReadError::header(path, format!("its text has less than {count} numbers")).byte(start));
-                }
-                false => Text::new(Box::new(text)),
-            };
-            return Ok(Scalars::new(path.to_owned(), choice.stored, count, Source::Text(text)));
+            if bytes.saturating_add(1) / 2 < count as u64 {
+                return Err(ReadError::header(path, format!("its text has less than {count} numbers")).byte(start));
+            }
+            let text = Source::Text(Text::new(Box::new(text)));
+            return Ok(Scalars::new(path.to_owned(), choice.stored, count, text));
         }
         Content::Inline(_) => true,
         Content::Appended(_) => header.appended.is_some_and(|appended| appended.is_base64),
@@ -141,8 +133,8 @@ fn scalars(
             Err(ReadError::header(path, what).byte(start))
         }
         (_, bytes) => {
-            let source = Source::Binary(bytes, header.words.order);
-            Ok(Scalars::new(path.to_owned(), choice.stored, count, source))
+            let bytes = Source::Binary(bytes, header.words.order);
+            Ok(Scalars::new(path.to_owned(), choice.stored, count, bytes))
         }
     }
 }
