@@ -73,6 +73,18 @@ fn content(path: &Path, piece: &super::xml_header::Piece, wanted: &Array) -> Res
     }
 }
 
+/// Where in a file of `length` bytes an array's data begins, and how many bytes it has at most.
+fn place(path: &Path, header: &Header, content: &Content, length: u64) -> Result<(u64, u64), ReadError> {
+    match (content, header.appended) {
+        (Content::Ascii(range) | Content::Inline(range), _) => Ok((range.start, range.end - range.start)),
+        (Content::Appended(offset), Some(appended)) => {
+            let start = appended.start.saturating_add(*offset);
+            Ok((start, length.saturating_sub(start)))
+        }
+        (Content::Appended(_), None) => Err(ReadError::header(path, "it has no AppendedData")),
+    }
+}
+
 /// The numbers of a piece of so many voxels.
 fn scalars(
     path: &Path,
@@ -87,14 +99,7 @@ fn scalars(
     let io_error = |e| ReadError::io(path, e);
     let mut file = File::open(path).map_err(io_error)?;
     let length = file.metadata().map_err(io_error)?.len();
-    let (start, bytes) = match (content, header.appended) {
-        (Content::Ascii(range) | Content::Inline(range), _) => (range.start, range.end - range.start),
-        (Content::Appended(offset), Some(appended)) => {
-            let start = appended.start.saturating_add(*offset);
-            (start, length.saturating_sub(start))
-        }
-        (Content::Appended(_), None) => return Err(ReadError::header(path, "it has no AppendedData")),
-    };
+    let (start, bytes) = place(path, header, content, length)?;
     let truncated = |found| {
         let expected = needed;
         ReadError::new(path, Problem::Truncated { expected, found }).byte(start)
