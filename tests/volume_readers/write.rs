@@ -163,8 +163,8 @@ fn assert_placed(name: &str, read: &readers::Read, place: &DAffine3) {
         };
         near(read.spacing[axis], spacing[axis]);
         near(read.origin[axis], place.translation[axis]);
-        for row in 0..3 {
-            near(read.direction[3 * row + axis] * read.spacing[axis], columns[axis][row]);
+        for (row, exact) in columns[axis].into_iter().enumerate() {
+            near(read.direction[3 * row + axis] * read.spacing[axis], exact);
         }
     }
 }
