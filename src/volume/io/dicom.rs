@@ -44,6 +44,7 @@ pub(super) const FORMAT: Format = Format {
         false => !probe.has_layout && (source::is_dicom(&probe.start) || probe.is_named(&FORMAT)),
     },
     open,
+    writer: None,
 };
 
 /// Opens the series in the file or folder at `path` that the options name, or all.

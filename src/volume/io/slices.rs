@@ -29,6 +29,7 @@ pub(super) const FORMAT: Format = Format {
         false => !probe.has_layout && probe.is_named(&FORMAT),
     },
     open: |path, options| Ok(vec![open(path, options)?]),
+    writer: None,
 };
 
 /// Pixels of one image.

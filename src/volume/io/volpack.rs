@@ -10,10 +10,12 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use super::components::Components;
 use super::error::ReadError;
 use super::format::Format;
 use super::open::{Declared, Opened, ReadOptions};
 use super::payload::Payload;
+use super::source::{Coding, Skip, Stretch};
 use super::stored::{ByteOrder, Stored};
 use crate::volume::grid::voxel_count;
 use crate::volume::voxel::VoxelType;
@@ -34,6 +36,7 @@ pub(super) const FORMAT: Format = Format {
     reads: "densities of 8 bits",
     recognises: |probe| !probe.is_folder && !probe.has_layout && probe.is_named(&FORMAT),
     open: |path, options| Ok(vec![open(path, options)?]),
+    writer: None,
 };
 
 fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
@@ -66,6 +69,20 @@ fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
         );
         return Err(ReadError::header(path, what).byte(COUNT as u64));
     }
+    let payload = Payload {
+        stored: Stored::Voxel(VoxelType::U8),
+        order,
+        voxels: count,
+        components: Components::SCALAR,
+        rescaling: None,
+    };
+    let stretch = Stretch {
+        path: path.to_owned(),
+        start: HEADER_BYTES as u64,
+        coding: Coding::Plain,
+        skip: Skip::Bytes(0),
+        bytes: payload.bytes(),
+    };
     let declared = Declared {
         format: FORMAT.name,
         name: String::new(),
@@ -76,14 +93,5 @@ fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
         components: 1,
         notes: vec!["the file gives no spacing: it is taken to be 1 mm".to_owned()],
     };
-    let path = path.to_owned();
-    Opened::at_once(path.clone(), declared, move || {
-        let payload = Payload {
-            path: &path,
-            stored: Stored::Voxel(VoxelType::U8),
-            order,
-            count,
-        };
-        payload.read_raw(&mut file)
-    })
+    Opened::new(path.to_owned(), declared, payload.chunks(path, &[stretch], 0)?)
 }

@@ -11,8 +11,6 @@ mod page;
 mod pages;
 mod shown;
 
-use std::fs::File;
-use std::io::{BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
@@ -22,7 +20,6 @@ use super::components::Components;
 use super::error::ReadError;
 use super::format::Format;
 use super::open::{Chunks, Declared, Opened, ReadOptions};
-use super::payload::Payload;
 use super::slices::Picture;
 use crate::volume::grid::Voxels;
 
@@ -33,6 +30,7 @@ pub(super) const FORMAT: Format = Format {
     reads: "stacks of 8 to 64 bits, BigTIFF; deflate, LZW, PackBits, JPEG; ImageJ and OME: spacing, channels, times",
     recognises: |probe| !probe.is_folder && !probe.has_layout && (probe.is_named(&FORMAT) || is_tiff(&probe.start)),
     open: |path, options| Ok(vec![open(path, options)?]),
+    writer: None,
 };
 
 fn is_tiff(start: &[u8]) -> bool {
@@ -139,7 +137,7 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         }
         Some(data) => {
             let numbers = layout.pixels() * components.count();
-            Box::new(move |page| read_contiguous(&file, &data, page, numbers))
+            Box::new(move |page| data.read(&file, page * numbers, numbers))
         }
     };
     let chunks: Chunks = Box::new((0..slices).map(move |slice| {
@@ -180,18 +178,8 @@ fn contiguous(path: &Path, pages: &Pages, stack: &Stack) -> Result<Option<Contig
         .planes()
         .saturating_mul(pages.layout.pixels())
         .saturating_mul(pages.layout.samples);
-    let found = data.length.saturating_sub(data.start);
-    data.payload(path, count).check(found)?;
+    data.check(path, count)?;
     Ok(Some(data))
-}
-
-fn read_contiguous(path: &PathBuf, data: &Contiguous, page: usize, numbers: usize) -> Result<Voxels, ReadError> {
-    let io_error = |e| ReadError::io(path, e);
-    let payload: Payload = data.payload(path, numbers);
-    let mut file = BufReader::new(File::open(path).map_err(io_error)?);
-    let start = data.start + page as u64 * payload.bytes();
-    file.seek(SeekFrom::Start(start)).map_err(io_error)?;
-    payload.read_raw(&mut file)
 }
 
 /// The only page of a file that is one slice of several, and millimetres between its pixels, as far as they are known.

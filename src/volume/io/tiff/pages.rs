@@ -18,8 +18,7 @@ use super::page::Layout;
 use super::shown::Shown;
 use crate::volume::grid::Voxels;
 use crate::volume::io::error::{Problem, ReadError};
-use crate::volume::io::payload::Payload;
-use crate::volume::io::stored::{ByteOrder, Stored};
+use crate::volume::io::stored::{ByteOrder, Stored, decode};
 
 /// No compression that is read makes less of so many bytes than one: the best is fax's, a bit for a white row.
 const MAX_RATIO: u64 = 1 << 13;
@@ -58,14 +57,24 @@ pub(super) struct Contiguous {
 }
 
 impl Contiguous {
-    /// So many numbers of it.
-    pub(super) fn payload<'a>(&self, path: &'a Path, count: usize) -> Payload<'a> {
-        Payload {
-            path,
-            stored: self.stored,
-            order: self.order,
-            count,
+    /// Whether the file has `count` numbers.
+    pub(super) fn check(&self, path: &Path, count: usize) -> Result<(), ReadError> {
+        let expected = (count as u64).saturating_mul(self.stored.bytes() as u64);
+        let found = self.length.saturating_sub(self.start);
+        match found < expected {
+            true => Err(ReadError::new(path, Problem::Truncated { expected, found })),
+            false => Ok(()),
         }
+    }
+
+    /// `count` numbers of the file at `path`, from the one numbered `first` on.
+    pub(super) fn read(&self, path: &Path, first: usize, count: usize) -> Result<Voxels, ReadError> {
+        let io_error = |e| ReadError::io(path, e);
+        let mut file = File::open(path).map_err(io_error)?;
+        let before = (first as u64).saturating_mul(self.stored.bytes() as u64);
+        file.seek(SeekFrom::Start(self.start.saturating_add(before)))
+            .map_err(io_error)?;
+        decode(path, self.stored, self.order, count, |bytes| file.read_exact(bytes).map_err(io_error))
     }
 }
 
