@@ -3,16 +3,11 @@
 //! The bounds are those that slices on a device are held to (`conformance`), for a device that is the ray caster: it puts rays
 //! where they are in double precision and goes on from there in single precision.
 
-use proptest::prelude::*;
 use vcsg::conformance::{Drawing, FrameBounds, Precision, Storage};
 use vcsg::image::Frame;
-use vcsg::model::Boundary;
 use vcsg::projection::{FrameSpec, Projector, Reference, raycast::RayCaster};
 
-use crate::picture::picture;
 use crate::scene::Recipe;
-use crate::support::cases;
-use crate::support::scenes::{scene, subdivision};
 
 /// A step of single precision at 1; a rounding is off by half of it.
 const ULP: f64 = f32::EPSILON as f64;
@@ -111,18 +106,4 @@ fn scenes_agree_with_the_reference() {
         "at most {:.3} of the bounds' half width, and {:.2e} from the reference",
         worst[0], worst[1]
     );
-}
-
-proptest! {
-    #![proptest_config(cases(96))]
-
-    #[test]
-    fn random_models_agree_with_the_reference(
-        scene in scene(),
-        subdivision in subdivision(Boundary::Exact),
-        picture in picture(),
-    ) {
-        let target = scene.target(&subdivision);
-        picture.of(&target, |spec| deviations(spec));
-    }
 }

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use vcsg::model::Boundary;
 use vcsg::target::{OctreeNode, Subdivision};
 
-use crate::picture::{picture, same};
+use super::picture::{picture, same};
 use crate::support::scenes::{scene, subdivision};
 use crate::support::{cases, seeded};
 
