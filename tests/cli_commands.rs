@@ -293,7 +293,16 @@ const MISTAKES: &[(&[&str], &str)] = &[
         "--renderer slices",
     ),
     (
-        &["render", "scene.kdl", "-o", "a.png", "--surface", "50", "--renderer", "raycast"],
+        &[
+            "render",
+            "scene.kdl",
+            "-o",
+            "a.png",
+            "--surface",
+            "50",
+            "--renderer",
+            "raycast",
+        ],
         "--renderer slices",
     ),
     (&["render", "open.kdl", "-o", "a.png", "--renderer", "reference"], ""),
@@ -346,7 +355,10 @@ fn without_a_driver_rays_are_cast_on_the_processor() {
         (fs::read(folder.path().join(name)).unwrap(), message)
     };
     let (fallen_back, message) = draw("a.png", &[]);
-    assert!(message.contains("mesa-vulkan-drivers") && message.contains("on the processor"), "{message}");
+    assert!(
+        message.contains("mesa-vulkan-drivers") && message.contains("on the processor"),
+        "{message}"
+    );
     let (asked_for, message) = draw("b.png", &["--renderer", "raycast"]);
     assert_eq!(message, "");
     assert_eq!(fallen_back, asked_for);

@@ -19,7 +19,8 @@ use crate::runs::{Ratios, Run, Summary, median};
 use crate::scene::{self, FRAME_EDGE, Look};
 use crate::vtk::Peer;
 
-const PICTURES: &str = "target/bench/pictures";
+/// Where pictures are left.
+pub const PICTURES: &str = "target/bench/pictures";
 
 /// One comparison.
 struct Case {
@@ -50,7 +51,7 @@ const CASES: [Case; 6] = [
 
 /// Where VTK's script looks from.
 #[derive(Deserialize)]
-struct PeerView {
+pub struct PeerView {
     right: [f64; 3],
     up: [f64; 3],
     toward_eye: [f64; 3],
@@ -59,8 +60,8 @@ struct PeerView {
 }
 
 impl PeerView {
-    /// The same view as a camera.
-    fn camera(&self) -> Camera {
+    /// The same view as a camera, of a square frame of `edge` pixels.
+    pub fn camera(&self, edge: u32) -> Camera {
         let [right, up, back] = [self.right, self.up, self.toward_eye].map(DVec3::from_array);
         let rotation = DMat3::from_cols(right, -up, -back).transpose();
         let centre = DVec3::from_array(self.centre_mm);
@@ -70,20 +71,20 @@ impl PeerView {
                 matrix3: rotation,
                 translation: before - rotation * centre,
             },
-            lens: scene::parallel(self.half_height_mm),
-            size: [FRAME_EDGE; 2],
+            lens: scene::parallel(self.half_height_mm, edge),
+            size: [edge; 2],
         }
     }
 }
 
 /// What VTK's script says about itself.
 #[derive(Deserialize)]
-struct PeerCase {
-    vtk: String,
-    mapper: String,
+pub struct PeerCase {
+    pub vtk: String,
+    pub mapper: String,
     device: serde_json::Value,
-    view: PeerView,
-    picture: String,
+    pub view: PeerView,
+    pub picture: String,
 }
 
 const ROWS: Rows = Rows(22);
@@ -177,7 +178,7 @@ impl Case {
         let device = Arc::clone(renderer.device());
         let mut builds = Vec::new();
         let drawing = loop {
-            let drawing = self.drawing(&device, about.view.camera())?;
+            let drawing = self.drawing(&device, about.view.camera(FRAME_EDGE))?;
             builds.push((drawing.subdivide, drawing.upload));
             if builds.len() >= repetitions.builds {
                 break drawing;

@@ -14,6 +14,7 @@ mod primitives;
 #[path = "../quads/mod.rs"]
 mod quads;
 mod rates;
+mod raycast;
 mod reading;
 mod resampling;
 mod rows;
@@ -51,6 +52,9 @@ struct Arguments {
     /// Measure frames only, those with this in their names, and write no report.
     #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
     frames: Option<String>,
+    /// Measure rays cast on the processor only, those with this in their names, and write no report.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
+    raycast: Option<String>,
     /// Measure surfaces only, those with this in their names, and write no report.
     #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
     surfaces: Option<String>,
@@ -88,6 +92,7 @@ struct Arguments {
 struct Report {
     machine: Machine,
     frames: Vec<frames::Comparison>,
+    raycast: Vec<raycast::Comparison>,
     rates: rates::Rates,
     resampling: Vec<resampling::Comparison>,
     deformation: Vec<deformation::Comparison>,
@@ -138,6 +143,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
     if let Some(name) = &arguments.frames {
         return frames::compare(&drawing::open_device()?, name, arguments.repetitions()).map(|_| 0);
     }
+    if let Some(name) = &arguments.raycast {
+        return raycast::compare(name, arguments.repetitions().runs).map(|_| 0);
+    }
     if arguments.resampling {
         return resampling::compare(arguments.repetitions().runs).map(|_| 0);
     }
@@ -174,6 +182,7 @@ impl Report {
         Ok(Self {
             machine,
             frames: frames::compare(&device, "", repetitions)?,
+            raycast: raycast::compare("", repetitions.runs)?,
             rates: rates::measure(&device, repetitions.runs)?,
             resampling: resampling::compare(repetitions.runs)?,
             deformation: deformation::compare(repetitions.runs)?,
@@ -187,6 +196,7 @@ impl Report {
 
     fn bars(&self) -> Vec<&Bar> {
         let frames = self.frames.iter().map(|c| &c.bar);
+        let raycast = self.raycast.iter().flat_map(|c| &c.bars);
         let rates = self.rates.rates.iter().filter_map(|r| r.bar.as_ref());
         let resampling = self.resampling.iter().map(|c| &c.bar);
         let deformation = self.deformation.iter().flat_map(|c| &c.bars);
@@ -196,6 +206,7 @@ impl Report {
         let editing = self.editing.iter().map(|c| &c.bar);
         let reading = self.reading.iter().map(|c| &c.bar);
         frames
+            .chain(raycast)
             .chain(rates)
             .chain(resampling)
             .chain(deformation)

@@ -181,14 +181,14 @@ pub fn camera(bounds: &Aabb) -> Camera {
     let corners = bounds.corners().map(|c| (place(c) - middle).abs().max_element());
     let half_height_mm = corners.into_iter().fold(0.0, f64::max);
     Camera {
-        lens: parallel(half_height_mm),
+        lens: parallel(half_height_mm, FRAME_EDGE),
         ..camera
     }
 }
 
-/// The lens of a frame that is twice `half_height_mm` high.
-pub fn parallel(half_height_mm: f64) -> Lens {
+/// The lens of a square frame of `edge` pixels that is twice `half_height_mm` high.
+pub fn parallel(half_height_mm: f64, edge: u32) -> Lens {
     Lens::Orthographic {
-        pixels_per_mm: f64::from(FRAME_EDGE) / (2.0 * half_height_mm),
+        pixels_per_mm: f64::from(edge) / (2.0 * half_height_mm),
     }
 }

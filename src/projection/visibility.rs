@@ -4,7 +4,7 @@
 //! value ranges ([`CellRanges`]) are not invisible throughout.
 //! *Practice.* Opaque table entries are counted once in a running sum, so asking for a range of values costs two look-ups.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 use super::halving::{Halving, Shown};
@@ -95,6 +95,8 @@ pub struct DrawCost {
     fragments_per_voxel: f64,
     /// Slices that a lattice step along each axis adds to a box.
     slices_per_step: DVec3,
+    /// Rays through a voxel's face across each axis, if a ray through a box costs anything.
+    rays_per_face: DVec3,
 }
 
 impl DrawCost {
@@ -102,10 +104,15 @@ impl DrawCost {
     /// drew differed by less than the noise, and 80 took a tenth longer. No other device was tried.
     const SLICE: f64 = 300.0;
 
+    /// What a ray through a box costs beside its samples, in samples: where it enters and leaves, and lanes that are no samples
+    /// at both ends.
+    const RAY: f64 = 8.0;
+
     /// Fragments alone: a box is drawn whole only if all of it shows.
     pub const VOXELS: Self = Self {
         fragments_per_voxel: 1.0,
         slices_per_step: DVec3::ZERO,
+        rays_per_face: DVec3::ZERO,
     };
 
     /// The cost in a frame of `camera`; under perspective, that in the middle of the lattice.
@@ -117,6 +124,26 @@ impl DrawCost {
         Self {
             fragments_per_voxel: voxel_mm3 * pixels_per_mm.powi(2) / planes.step_mm,
             slices_per_step: eye_from_lattice.matrix3.row(2).abs() / planes.step_mm,
+            rays_per_face: DVec3::ZERO,
+        }
+    }
+
+    /// The cost of casting rays in such a frame, in samples.
+    pub fn of_rays(lattice: &Lattice, camera: &Camera, planes: &Planes) -> Self {
+        let eye_from_lattice = eye_from_lattice(lattice, camera);
+        let middle = affine::point(&eye_from_lattice, lattice.bounds().center());
+        let pixels_per_mm = camera.pixels_per_mm(middle.z.max(camera.near_mm()));
+        let axes = eye_from_lattice.matrix3;
+        let seen_mm2 = |b: DVec3, c: DVec3| b.cross(c).z.abs();
+        let faces = DVec3::new(
+            seen_mm2(axes.y_axis, axes.z_axis),
+            seen_mm2(axes.z_axis, axes.x_axis),
+            seen_mm2(axes.x_axis, axes.y_axis),
+        );
+        Self {
+            slices_per_step: DVec3::ZERO,
+            rays_per_face: faces * pixels_per_mm.powi(2),
+            ..Self::new(lattice, camera, planes)
         }
     }
 
@@ -124,7 +151,8 @@ impl DrawCost {
     pub(super) fn of(&self, extent: [usize; 3]) -> f64 {
         let extent = DVec3::from_array(extent.map(|n| n as f64));
         let fragments = self.fragments_per_voxel * extent.element_product();
-        fragments + Self::SLICE * self.slices_per_step.dot(extent)
+        let rays = self.rays_per_face.dot(extent.yzx() * extent.zxy());
+        fragments + Self::SLICE * self.slices_per_step.dot(extent) + Self::RAY * rays
     }
 }
 

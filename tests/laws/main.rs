@@ -9,8 +9,13 @@ mod order;
 mod path;
 mod picture;
 mod plan;
+#[path = "../agreement_devices/random.rs"]
+mod random;
 mod range;
+mod raycast;
 mod robust;
+#[path = "../agreement_devices/scene.rs"]
+mod scene;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;

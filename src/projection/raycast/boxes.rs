@@ -26,7 +26,7 @@ pub fn front_to_back(spec: &FrameSpec, target: &CastTarget) -> Vec<CastBox> {
         cells: &target.cells,
         values: &values,
         min_cube: CELL,
-        cost: DrawCost::VOXELS,
+        cost: DrawCost::of_rays(&spec.target.lattice, spec.camera, &spec.planes()),
     };
     let lattice = &spec.target.lattice;
     let lattice_from_world = lattice.world_from_lattice.inverse();
@@ -45,7 +45,12 @@ pub fn front_to_back(spec: &FrameSpec, target: &CastTarget) -> Vec<CastBox> {
             pixels,
         })
     };
-    visibility.boxes_back_to_front(viewpoint).iter().rev().filter_map(cast).collect()
+    visibility
+        .boxes_back_to_front(viewpoint)
+        .iter()
+        .rev()
+        .filter_map(cast)
+        .collect()
 }
 
 /// The columns and rows that a box with these corners in the eye frame may cover, if there are any.

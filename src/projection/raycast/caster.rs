@@ -47,7 +47,9 @@ pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) 
     let planes = rays.planes;
     let stop = |x: u32, y: u32| {
         let surface_mm = surfaces_mm.and_then(|depths| depths.get(y as usize * width as usize + x as usize));
-        surface_mm.map_or(planes, |&mm| (((f64::from(mm) - first_mm) / step_mm).ceil() as i32).min(planes))
+        surface_mm.map_or(planes, |&mm| {
+            (((f64::from(mm) - first_mm) / step_mm).ceil() as i32).min(planes)
+        })
     };
     let scene = Scene {
         target,
@@ -63,7 +65,12 @@ pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) 
     let band = TILE * width as usize;
     let bands = frame.pixels_mut().par_chunks_mut(band).enumerate();
     bands.for_each(|(n, band)| cast_band(&scene, (n * TILE) as u32, band));
-    Ok(composite::resolve(spec.settings.mode, &frame, spec.target.value_range, spec.transfer))
+    Ok(composite::resolve(
+        spec.settings.mode,
+        &frame,
+        spec.target.value_range,
+        spec.transfer,
+    ))
 }
 
 /// Casts the tiles of the rows of `band`, the first of which is `top`.

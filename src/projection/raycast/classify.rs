@@ -1,5 +1,7 @@
 //! From samples to what is blended: colours and opacities, lit, or values.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::lanes::{LANES, Lanes, each};
@@ -27,6 +29,8 @@ pub struct Classifier {
 pub struct Run<'a> {
     pub block: &'a CastBlock,
     pub places: Places,
+    /// The lanes that are samples.
+    pub lanes: Range<usize>,
     /// The plane of lane 0.
     pub plane: i32,
     /// Millimetres of ray a millimetre of depth.
@@ -60,8 +64,15 @@ impl Classifier {
         }?;
         Some(match self.mode {
             Mode::XRay => colours.map(|c| [c[3]; 4]),
+            _ if self.is_plain() => colours,
             _ => self.lit(run, colours),
         })
+    }
+
+    /// Whether colours are what the table says.
+    #[inline(always)]
+    fn is_plain(&self) -> bool {
+        self.lights.is_none() && self.cue.strength == 0.0
     }
 
     /// What value modes accumulate: see [`value_source`](crate::projection::composite::value_source).
@@ -69,7 +80,7 @@ impl Classifier {
     fn values(&self, run: &Run, samples: &Samples) -> Sources {
         let coverage = samples.coverage.unwrap_or([1.0; LANES]);
         let mut sources = [[0.0; 4]; LANES];
-        for n in run.places.first..run.places.end {
+        for n in run.lanes.clone() {
             let (weighted, coverage) = (samples.weighted[n], coverage[n]);
             let (value, weight) = match self.mode {
                 Mode::MinIp => (coverage - weighted, coverage),
@@ -86,15 +97,25 @@ impl Classifier {
     fn classified(&self, run: &Run, samples: &Samples) -> Option<Sources> {
         const LAST: f32 = (TransferTable::LEN - 1) as f32;
         let fraction = samples.fraction();
-        let entry: [i32; LANES] = std::array::from_fn(|n| (fraction[n].clamp(0.0, 1.0) * LAST + 0.5) as i32);
-        let samples_here = run.places.first..run.places.end;
-        if !samples_here.clone().any(|n| self.opacities[entry[n] as usize] > 0.0) {
+        let mut entry = [0usize; LANES];
+        for n in 0..LANES {
+            entry[n] = (fraction[n].clamp(0.0, 1.0) * LAST + 0.5) as i32 as usize;
+        }
+        // Lanes that are no samples repeat one that is.
+        if !entry.iter().any(|&n| self.opacities[n] > 0.0) {
             return None;
         }
         let mut sources = [[0.0; 4]; LANES];
-        for n in samples_here {
-            let covered = samples.coverage.map_or(1.0, |c| c[n]);
-            sources[n] = lengthened(self.table[entry[n] as usize], run.path).map(|c| c * covered);
+        for n in 0..LANES {
+            sources[n] = self.table[entry[n]];
+        }
+        if run.path != 1.0 {
+            sources = sources.map(|source| lengthened(source, run.path));
+        }
+        if let Some(coverage) = &samples.coverage {
+            for n in 0..LANES {
+                sources[n] = sources[n].map(|c| c * coverage[n]);
+            }
         }
         Some(sources)
     }
@@ -104,7 +125,7 @@ impl Classifier {
     fn colours(&self, run: &Run, samples: &Samples, units: f32) -> Option<Sources> {
         let mut sources = [[0.0; 4]; LANES];
         let mut shows = false;
-        for n in run.places.first..run.places.end {
+        for n in run.lanes.clone() {
             let opacity = samples.weighted[n];
             if opacity > 0.0 {
                 let [r, g, b, _] = run.places.vector(run.block, &run.block.rgb, n);
@@ -139,7 +160,7 @@ impl Classifier {
 #[inline(always)]
 fn normals(run: &Run, colours: &Sources) -> [Lanes; 3] {
     let mut normals = [[0.0; LANES]; 3];
-    for n in run.places.first..run.places.end {
+    for n in run.lanes.clone() {
         if colours[n][3] > 0.0 {
             let [x, y, z, _] = run.places.vector(run.block, &run.block.normals, n);
             [normals[0][n], normals[1][n], normals[2][n]] = [x, y, z];

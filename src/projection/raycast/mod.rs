@@ -3,13 +3,13 @@
 //! *Theory.* Blocks are visited from front to back, and each is cast on its own: its template says which pixels it covers and, for
 //! each of them, the interval of covered sampling points. What blocks give is composited block by block.
 //! *Changes from the paper.* Sampling points lie where rays meet the global [`Planes`](super::Planes), so the ray caster takes the
-//! slices' samples. VCSG moves a template by the displacement of a block and leaves to [SFH97] what the parts of a pixel and
+//! slices' samples. VCSG moves a template by the displacement of a block and leaves to SFH97 what the parts of a pixel and
 //! of a step mean, by which blocks are rarely apart. Here no interval is moved: what all boxes share are the rays, and a
-//! [`template`] finds where a ray crosses a face from the face's place alone. Two boxes that share a face ask the same question,
+//! template finds where a ray crosses a face from the face's place alone. Two boxes that share a face ask the same question,
 //! so each sampling point is in exactly one of them, at any displacement, parallel or not. A block goes on with what the
 //! blocks before it left of a pixel, so one block or many blend the same numbers in the same order: the bits are the same.
-//! *Practice.* The frame is cut in tiles, each the work of one thread, and what shows of blocks in boxes. Rays take samples by
-//! [`LANES`](lanes::LANES), at plane numbers that are the same for all boxes. A ray ends when it is as opaque as where slices close a
+//! *Practice.* The frame is cut in tiles, each the work of one thread, and what shows of blocks in boxes. Rays take eight
+//! samples together, at plane numbers that are the same for all boxes. A ray ends when it is as opaque as where slices close a
 //! pixel, and normals are read where a sample shows.
 
 mod blend;

@@ -3,6 +3,8 @@
 //! *Practice.* The place of the first of them is in double precision, and the others are in single precision from the whole
 //! number below it: so no lattice is too large for them. Nothing depends on the block but where its voxels lie.
 
+use std::ops::Range;
+
 use super::lanes::{LANES, Lanes, each, lerp};
 use super::voxels::CastBlock;
 
@@ -12,28 +14,25 @@ pub struct Places {
     corner: [i32; LANES],
     /// How far in the cell it is.
     fraction: [Lanes; 3],
-    /// The lanes that are samples.
-    pub first: usize,
-    pub end: usize,
 }
 
 impl Places {
-    /// The samples `first..end` of those from point `k` on of a ray, in `block`.
+    /// The samples in `block` of those from point `k` on of a ray, of which `lanes` are. The other lanes repeat the nearest of
+    /// those, so that no lane is beyond the block.
     #[inline(always)]
-    pub fn new(block: &CastBlock, [origin, step]: &[[f64; 3]; 2], k: i32, first: usize, end: usize) -> Self {
+    pub fn new(block: &CastBlock, [origin, step]: &[[f64; 3]; 2], k: i32, lanes: &Range<usize>) -> Self {
         let mut places = Self {
             corner: [0; LANES],
             fraction: [[0.0; LANES]; 3],
-            first,
-            end,
         };
+        let (first, last) = (lanes.start as i32, lanes.end as i32 - 1);
         for axis in 0..3 {
             let at = origin[axis] + f64::from(k) * step[axis];
             let whole = at.floor();
             let (part, step) = ((at - whole) as f32, step[axis] as f32);
             let from = whole as i32 - block.first[axis];
             for n in 0..LANES {
-                let along = part + n as f32 * step;
+                let along = part + (n as i32).max(first).min(last) as f32 * step;
                 let below = along.floor();
                 places.fraction[axis][n] = along - below;
                 places.corner[n] += (from + below as i32) * block.strides[axis];
@@ -45,27 +44,22 @@ impl Places {
     /// The trilinear samples of what is stored in `numbers`.
     #[inline(always)]
     pub fn interpolate(&self, block: &CastBlock, numbers: &[f32]) -> Lanes {
-        let mut corners = [[0.0; LANES]; 8];
         let [_, y, z] = block.strides.map(|stride| stride as usize);
-        for n in self.first..self.end {
-            let at = self.corner[n] as usize;
-            for (pair, by) in [0, y, z, y + z].into_iter().enumerate() {
-                if let Some(&[a, b]) = numbers.get(at + by..).and_then(|rest| rest.first_chunk()) {
-                    corners[2 * pair][n] = a;
-                    corners[2 * pair + 1][n] = b;
+        let [tx, ty, tz] = &self.fraction;
+        // Samples between two rows of voxels.
+        let along_x = |by: usize| {
+            let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+            for n in 0..LANES {
+                let at = self.corner[n] as usize + by;
+                if let Some(&[a, b]) = numbers.get(at..).and_then(|rest| rest.first_chunk()) {
+                    (low[n], high[n]) = (a, b);
                 }
             }
-        }
-        self.within(&corners)
-    }
-
-    #[inline(always)]
-    fn within(&self, corners: &[Lanes; 8]) -> Lanes {
-        let [x, y, z] = &self.fraction;
-        let along_x = |pair: usize| lerp(&corners[2 * pair], &corners[2 * pair + 1], x);
-        let near = lerp(&along_x(0), &along_x(1), y);
-        let far = lerp(&along_x(2), &along_x(3), y);
-        lerp(&near, &far, z)
+            lerp(&low, &high, tx)
+        };
+        let near = lerp(&along_x(0), &along_x(y), ty);
+        let far = lerp(&along_x(z), &along_x(y + z), ty);
+        lerp(&near, &far, tz)
     }
 
     /// The trilinear sample `n` of what is stored in `vectors`.
@@ -74,14 +68,20 @@ impl Places {
         let [_, y, z] = block.strides.map(|stride| stride as usize);
         let at = self.corner[n] as usize;
         let [tx, ty, tz] = [0, 1, 2].map(|axis| self.fraction[axis][n]);
-        let mix = |a: &[f32; 4], b: &[f32; 4], t: f32| -> [f32; 4] { std::array::from_fn(|c| a[c] + t * (b[c] - a[c])) };
-        let along_x = |by: usize| match vectors.get(at + by..).and_then(|rest| rest.first_chunk()) {
-            Some([a, b]) => mix(a, b, tx),
-            None => [0.0; 4],
+        let numbers = vectors.as_flattened();
+        // Two voxels side by side.
+        let pair = |by: usize| -> Lanes {
+            let rest = numbers.get(4 * (at + by)..);
+            rest.and_then(|rest| rest.first_chunk()).copied().unwrap_or_default()
         };
-        let near = mix(&along_x(0), &along_x(y), ty);
-        let far = mix(&along_x(z), &along_x(y + z), ty);
-        mix(&near, &far, tz)
+        let near = lerp(&pair(0), &pair(y), &[ty; LANES]);
+        let far = lerp(&pair(z), &pair(y + z), &[ty; LANES]);
+        let both = lerp(&near, &far, &[tz; LANES]);
+        let mut mixed = [0.0; 4];
+        for (c, mixed) in mixed.iter_mut().enumerate() {
+            *mixed = both[c] + tx * (both[c + 4] - both[c]);
+        }
+        mixed
     }
 }
 

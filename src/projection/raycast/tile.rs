@@ -1,5 +1,7 @@
 //! A tile of the frame, cast box by box.
 
+use std::ops::Range;
+
 use super::blend::{hides, under};
 use super::boxes::CastBox;
 use super::classify::{Classifier, Run};
@@ -8,6 +10,9 @@ use super::rays::{Rays, TILE, TILE_PIXELS, TileRays};
 use super::sample::Places;
 use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
+
+/// Planes that a box is cast by at a time, all pixels of a tile: what they read stays in a processor's cache.
+const SLAB: i32 = 32;
 
 /// All that tiles share.
 pub struct Scene<'a> {
@@ -48,32 +53,37 @@ impl Tile {
         tile
     }
 
-    /// Goes on with the points `begin..end` of a pixel's ray, which are in a box of `block`.
+    /// Goes on with the points of a pixel's ray that are in a box of `block`.
     #[inline(always)]
-    fn march(&mut self, scene: &Scene, block: usize, pixel: usize, begin: i32, end: i32) {
+    fn march(&mut self, scene: &Scene, block: usize, pixel: usize, points: Range<i32>) {
         const STEP: i32 = LANES as i32;
         let block = &scene.target.blocks[block];
         let ray = self.rays.ray(pixel);
-        let mut plane = begin - begin % STEP;
-        while plane < end {
-            let (first, last) = ((begin - plane).max(0), (end - plane).min(STEP));
+        let path = self.paths[pixel];
+        let mut blended = self.pixels[pixel];
+        let mut plane = points.start - points.start % STEP;
+        while plane < points.end {
+            let lanes = (points.start - plane).max(0) as usize..(points.end - plane).min(STEP) as usize;
             let run = Run {
                 block,
-                places: Places::new(block, &ray, plane, first as usize, last as usize),
+                places: Places::new(block, &ray, plane, &lanes),
+                lanes: lanes.clone(),
                 plane,
-                path: self.paths[pixel],
+                path,
             };
             if let Some(sources) = scene.classifier.sources(&run) {
-                for source in &sources[first as usize..last as usize] {
-                    under(scene.blending, &mut self.pixels[pixel], source);
-                    if hides(scene.blending, &self.pixels[pixel]) {
+                for source in &sources[lanes] {
+                    under(scene.blending, &mut blended, source);
+                    if hides(scene.blending, &blended) {
                         self.ends[pixel] = 0;
+                        self.pixels[pixel] = blended;
                         return;
                     }
                 }
             }
             plane += STEP;
         }
+        self.pixels[pixel] = blended;
     }
 }
 
@@ -85,18 +95,64 @@ fn cast_boxes(tile: &mut Tile, scene: &Scene, first: [u32; 2]) {
             let within = |pixel: u32| pixel.saturating_sub(first[axis]).min(TILE as u32) as usize;
             within(range.start)..within(range.end)
         });
-        if columns.is_empty() {
+        if columns.is_empty() || rows.is_empty() {
             continue;
         }
-        for row in rows {
+        let covered = Covered::new(tile, cast_box, columns, rows);
+        let mut slab = covered.planes.start - covered.planes.start % SLAB;
+        while slab < covered.planes.end {
+            for pixel in covered.pixels() {
+                let end = covered.end[pixel].min(tile.ends[pixel]).min(slab + SLAB);
+                let begin = covered.begin[pixel].max(slab);
+                if begin < end {
+                    tile.march(scene, cast_box.block, pixel, begin..end);
+                }
+            }
+            slab += SLAB;
+        }
+    }
+}
+
+/// The covered sampling points of a tile's pixels in one box.
+struct Covered {
+    columns: Range<usize>,
+    rows: Range<usize>,
+    begin: [i32; TILE_PIXELS],
+    end: [i32; TILE_PIXELS],
+    /// All of them.
+    planes: Range<i32>,
+}
+
+impl Covered {
+    #[inline(always)]
+    fn new(tile: &Tile, cast_box: &CastBox, columns: Range<usize>, rows: Range<usize>) -> Self {
+        let (mut begin, mut end) = ([0; TILE_PIXELS], [0; TILE_PIXELS]);
+        let (mut nearest, mut farthest) = (i32::MAX, 0);
+        for row in rows.clone() {
             let intervals = cast_box.template.row(&tile.rays, row);
             for column in columns.clone() {
                 let pixel = row * TILE + column;
-                let (begin, end) = (intervals.begin[column], intervals.end[column].min(tile.ends[pixel]));
-                if begin < end {
-                    tile.march(scene, cast_box.block, pixel, begin, end);
+                let range = [intervals.begin[column], intervals.end[column].min(tile.ends[pixel])];
+                [begin[pixel], end[pixel]] = range;
+                if range[0] < range[1] {
+                    nearest = nearest.min(range[0]);
+                    farthest = farthest.max(range[1]);
                 }
             }
         }
+        Self {
+            columns,
+            rows,
+            begin,
+            end,
+            planes: nearest..farthest,
+        }
+    }
+
+    #[inline(always)]
+    fn pixels(&self) -> impl Iterator<Item = usize> + use<> {
+        let columns = self.columns.clone();
+        let pixels = move |row: usize| columns.clone().map(move |column| row * TILE + column);
+        self.rows.clone().flat_map(pixels)
     }
 }

@@ -43,7 +43,9 @@ impl CastTarget {
 
     /// The target of `spec`, as its frame needs it.
     pub fn of(spec: &FrameSpec) -> Self {
-        let normals = spec.shading().map(|s| SoftNormals::new(&spec.target.lattice, s.soft_gradient));
+        let normals = spec
+            .shading()
+            .map(|s| SoftNormals::new(&spec.target.lattice, s.soft_gradient));
         Self::new(spec.target, normals.as_ref())
     }
 }
@@ -98,7 +100,9 @@ impl CastBlock {
             weighted,
             coverage: voxels.coverage.as_ref().map_or_else(Vec::new, |c| stored.map(|n| c[n])),
             rgb: voxels.rgb().map_or_else(Vec::new, |rgb| stored.map(|n| colour(rgb[n]))),
-            normals: normals.map_or_else(Vec::new, |soft| voxel_normals(soft, target, block, voxels, [scale, offset])),
+            normals: normals.map_or_else(Vec::new, |soft| {
+                voxel_normals(soft, target, block, voxels, [scale, offset])
+            }),
         }
     }
 }

@@ -3,16 +3,13 @@
 //! *Practice.* A reader checks its header and hands the voxels over in the order of the grid, chunk by chunk, when they are asked
 //! for. So who only lists files reads no voxel, and who keeps a volume in another form than the file's never has it twice.
 
-use std::fs::DirEntry;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::DAffine3;
 
 use super::VolumeInfo;
 use super::budget::Budget;
 use super::error::ReadError;
-use super::gunzip::can_hold;
 use super::part::{Part, Parts, joined};
 use super::raw::RawLayout;
 use crate::math::affine;
@@ -72,8 +69,6 @@ pub struct Opened {
     /// For messages.
     path: PathBuf,
     parts: Parts,
-    /// Whether all voxels come in one part, so that they are in memory at once.
-    at_once: bool,
     budget: Budget,
 }
 
@@ -96,21 +91,7 @@ impl Opened {
             declared,
             path,
             parts,
-            at_once: false,
             budget: Budget::default(),
-        })
-    }
-
-    /// What `read` will give at once.
-    pub(super) fn at_once(
-        path: PathBuf,
-        declared: Declared,
-        read: impl FnOnce() -> Result<Voxels, ReadError> + Send + 'static,
-    ) -> Result<Self, ReadError> {
-        let opened = Self::new(path, declared, Box::new(std::iter::once_with(read)))?;
-        Ok(Self {
-            at_once: true,
-            ..opened
         })
     }
 
@@ -138,7 +119,6 @@ impl Opened {
     /// # Errors
     /// Whatever [`ReadError`] can say of the voxels; if they take more memory than they may.
     pub fn grid(self) -> Result<Grid, ReadError> {
-        self.check_at_once()?;
         let Self {
             declared,
             path,
@@ -156,7 +136,6 @@ impl Opened {
     /// # Errors
     /// Whatever [`ReadError`] can say of the voxels; if their bricks take more memory than they may.
     pub fn bricks(self) -> Result<Bricks, ReadError> {
-        self.check_at_once()?;
         let refused = |e: BuildError| ReadError::new(&self.path, e);
         let Declared {
             dims,
@@ -176,40 +155,12 @@ impl Opened {
     /// # Errors
     /// Whatever [`ReadError`] can say of the voxels.
     pub fn info(self) -> Result<VolumeInfo, ReadError> {
-        self.check_at_once()?;
         let mut tally = Tally::NONE;
         for part in self.parts {
             tally = tally.join(part?.tally());
         }
         Ok(self.declared.info(&tally.stats()))
     }
-
-    /// Whether the voxels are within the budget, if they come all at once. What the files there cannot hold is left to the reader, which
-    /// knows more of it.
-    fn check_at_once(&self) -> Result<(), ReadError> {
-        let bytes = self.declared.bytes();
-        match self.at_once && can_hold(bytes_beside(&self.path), bytes) {
-            true => self.budget.check(&self.path, bytes),
-            false => Ok(()),
-        }
-    }
-}
-
-/// The bytes of a file and of those in its folder, or of those in a folder.
-fn bytes_beside(path: &Path) -> u64 {
-    let folder = if path.is_dir() {
-        path
-    } else {
-        path.parent().unwrap_or(path)
-    };
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    };
-    let length = |entry: io::Result<DirEntry>| entry?.metadata().map(|data| data.len());
-    let entries = folder.read_dir().into_iter().flatten();
-    entries.map(|entry| length(entry).unwrap_or(0)).sum()
 }
 
 impl Declared {

@@ -11,7 +11,7 @@ mod page;
 mod pages;
 mod shown;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DAffine3, DVec3};
 

@@ -74,7 +74,9 @@ impl Contiguous {
         let before = (first as u64).saturating_mul(self.stored.bytes() as u64);
         file.seek(SeekFrom::Start(self.start.saturating_add(before)))
             .map_err(io_error)?;
-        decode(path, self.stored, self.order, count, |bytes| file.read_exact(bytes).map_err(io_error))
+        decode(path, self.stored, self.order, count, |bytes| {
+            file.read_exact(bytes).map_err(io_error)
+        })
     }
 }
 

@@ -219,7 +219,9 @@ fn elements(array: &Array, file: &Path, bytes: Option<Range<u64>>) -> Result<Vox
     let stored = read(file, bytes, 2 * array.unit_bytes() + (1 << 16)).map_err(refused)?;
     let decoded = chain.decode(stored, array.unit_bytes()).map_err(refused)?;
     let (count, mut rest) = (array.unit().iter().product(), &*decoded);
-    decode(file, array.stored, chain.order, count, |bytes| rest.read_exact(bytes).map_err(refused))
+    decode(file, array.stored, chain.order, count, |bytes| {
+        rest.read_exact(bytes).map_err(refused)
+    })
 }
 
 /// Some bytes of a file, at most `most`.

@@ -3,16 +3,11 @@
 //! The bounds are those that slices on a device are held to (`conformance`), for a device that is the ray caster: it puts rays
 //! where they are in double precision and goes on from there in single precision.
 
-use proptest::prelude::*;
 use vcsg::conformance::{Drawing, FrameBounds, Precision, Storage};
 use vcsg::image::Frame;
-use vcsg::model::Boundary;
 use vcsg::projection::{FrameSpec, Projector, Reference, raycast::RayCaster};
 
-use crate::picture::picture;
 use crate::scene::Recipe;
-use crate::support::scenes::{scene, subdivision};
-use crate::support::cases;
 
 /// A step of single precision at 1; a rounding is off by half of it.
 const ULP: f64 = f32::EPSILON as f64;
@@ -46,7 +41,11 @@ fn fraction_rounding(spec: &FrameSpec) -> f64 {
     let range = spec.target.value_range;
     let magnitude = f64::from(range.lo.abs().max(range.hi.abs()));
     let width = f64::from(range.width());
-    if width > 0.0 { 4.0 * ULP * (magnitude / width + 1.0) } else { 0.0 }
+    if width > 0.0 {
+        4.0 * ULP * (magnitude / width + 1.0)
+    } else {
+        0.0
+    }
 }
 
 /// Rounding of a place along an axis, voxels. It is counted from a whole number, and at most 7 steps further: the first part,
@@ -55,7 +54,10 @@ fn place_rounding(spec: &FrameSpec) -> f64 {
     let lattice = &spec.target.lattice;
     let [width, height] = spec.camera.size;
     let corners = [[0, 0], [width, 0], [0, height], [width, height]];
-    let steepest = corners.map(|[x, y]| spec.camera.path_per_depth(x, y)).into_iter().fold(1.0, f64::max);
+    let steepest = corners
+        .map(|[x, y]| spec.camera.path_per_depth(x, y))
+        .into_iter()
+        .fold(1.0, f64::max);
     let step = spec.planes().step_mm * steepest / lattice.spacing_mm().min_element();
     0.5 * ULP * (2.0 + 21.0 * step)
 }
@@ -65,11 +67,19 @@ fn deviations(spec: &FrameSpec) -> [f64; 2] {
     let bounds = FrameBounds::new(spec, &drawing(spec));
     let cast = RayCaster.project(spec).expect("a frame");
     let reference = Reference.project(spec).expect("a frame");
-    assert_eq!(bounds.pixels_outside(&reference), 0, "the reference itself: {}", worst(&bounds, &reference, &cast));
+    assert_eq!(
+        bounds.pixels_outside(&reference),
+        0,
+        "the reference itself: {}",
+        worst(&bounds, &reference, &cast)
+    );
     assert_eq!(bounds.pixels_outside(&cast), 0, "{}", worst(&bounds, &cast, &reference));
     let worst = bounds.deviations(&cast).into_iter().fold(0.0, f64::max);
     let channels = |frame: &Frame| frame.pixels().as_flattened().to_vec();
-    let differences = channels(&cast).into_iter().zip(channels(&reference)).map(|(a, b)| f64::from(a - b).abs());
+    let differences = channels(&cast)
+        .into_iter()
+        .zip(channels(&reference))
+        .map(|(a, b)| f64::from(a - b).abs());
     [worst, differences.fold(0.0, f64::max)]
 }
 
@@ -78,7 +88,10 @@ fn worst(bounds: &FrameBounds, cast: &Frame, reference: &Frame) -> String {
     let worst = (0..all.len()).max_by(|a, b| all[*a].total_cmp(&all[*b])).unwrap_or(0);
     let at = |frame: &Frame| frame.pixels()[worst / 4];
     let [cast, reference, low, high] = [at(cast), at(reference), at(&bounds.low), at(&bounds.high)];
-    format!("pixel {}: {cast:?} where the reference has {reference:?}, within {low:?} and {high:?}", worst / 4)
+    format!(
+        "pixel {}: {cast:?} where the reference has {reference:?}, within {low:?} and {high:?}",
+        worst / 4
+    )
 }
 
 #[test]
@@ -89,19 +102,8 @@ fn scenes_agree_with_the_reference() {
         let found = deviations(&scene.spec());
         worst = [0, 1].map(|n| worst[n].max(found[n]));
     }
-    println!("at most {:.3} of the bounds' half width, and {:.2e} from the reference", worst[0], worst[1]);
-}
-
-proptest! {
-    #![proptest_config(cases(96))]
-
-    #[test]
-    fn random_models_agree_with_the_reference(
-        scene in scene(),
-        subdivision in subdivision(Boundary::Exact),
-        picture in picture(),
-    ) {
-        let target = scene.target(&subdivision);
-        picture.of(&target, |spec| deviations(spec));
-    }
+    println!(
+        "at most {:.3} of the bounds' half width, and {:.2e} from the reference",
+        worst[0], worst[1]
+    );
 }

@@ -1,13 +1,18 @@
 //! Frames that cannot be, and eyes where eyes seldom are.
 
 use glam::DVec3;
-use vcsg::projection::{FrameSpec, Lens, Mode, ProjectError, Projector, raycast::RayCaster, raycast};
+use vcsg::projection::{FrameSpec, Lens, Mode, ProjectError, Projector, raycast, raycast::RayCaster};
 
 use crate::random::Random;
 use crate::scene::{Content, Recipe, Scene};
 
 fn scene(content: Content, mode: Mode) -> Scene {
-    Recipe { content, mode, ..Recipe::random(7) }.scene()
+    Recipe {
+        content,
+        mode,
+        ..Recipe::random(7)
+    }
+    .scene()
 }
 
 #[test]
@@ -24,7 +29,10 @@ fn frames_without_pixels_and_endless_ones_are_refused() {
 fn values_of_colours_are_refused() {
     let mut scene = scene(Content::Blended, Mode::Composite);
     scene.settings.mode = Mode::Mip;
-    assert!(matches!(RayCaster.project(&scene.spec()), Err(ProjectError::NoValues { .. })));
+    assert!(matches!(
+        RayCaster.project(&scene.spec()),
+        Err(ProjectError::NoValues { .. })
+    ));
 }
 
 /// Eyes anywhere in the volume, on its corners too, looking anywhere: every pixel is a finite colour.
@@ -39,7 +47,10 @@ fn an_eye_in_the_volume_sees_something_defined() {
             _ => bounds.min + bounds.size() * DVec3::from_array(std::array::from_fn(|_| random.between(0.0, 1.0))),
         };
         scene.camera.eye_from_world.translation = -(scene.camera.eye_from_world.matrix3 * eye);
-        scene.camera.lens = Lens::Perspective { focal_px: 30.0, near_mm: 1e-6 };
+        scene.camera.lens = Lens::Perspective {
+            focal_px: 30.0,
+            near_mm: 1e-6,
+        };
         let frame = RayCaster.project(&scene.spec()).expect("a frame");
         assert!(frame.pixels().as_flattened().iter().all(|c| c.is_finite()), "{n}");
     }
@@ -54,9 +65,20 @@ fn rays_end_at_surfaces() {
     let pixels = (scene.camera.size[0] * scene.camera.size[1]) as usize;
     let until = |mm: f32| raycast::draw(&spec, &target, Some(&vec![mm; pixels])).expect("a frame");
     let whole = raycast::draw(&spec, &target, None).expect("a frame");
-    assert!(until(f32::NEG_INFINITY).pixels().as_flattened().iter().all(|c| *c == 0.0));
+    assert!(
+        until(f32::NEG_INFINITY)
+            .pixels()
+            .as_flattened()
+            .iter()
+            .all(|c| *c == 0.0)
+    );
     assert_eq!(until(f32::INFINITY).pixels(), whole.pixels());
     let planes = spec.planes();
     let half = until(planes.depth(planes.between(0.0, 1e9).start + 12) as f32);
-    assert!(half.pixels().iter().zip(whole.pixels()).all(|(half, whole)| half[3] <= whole[3]));
+    assert!(
+        half.pixels()
+            .iter()
+            .zip(whole.pixels())
+            .all(|(half, whole)| half[3] <= whole[3])
+    );
 }

@@ -5,9 +5,3 @@ mod agreement;
 mod blocks;
 mod edges;
 mod picture;
-#[path = "../agreement_devices/random.rs"]
-mod random;
-#[path = "../agreement_devices/scene.rs"]
-mod scene;
-#[path = "../support/mod.rs"]
-mod support;

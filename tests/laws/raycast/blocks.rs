@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use vcsg::model::Boundary;
 use vcsg::target::{OctreeNode, Subdivision};
 
-use crate::picture::{picture, same};
+use super::picture::{picture, same};
 use crate::support::scenes::{scene, subdivision};
 use crate::support::{cases, seeded};
 
@@ -33,7 +33,8 @@ fn any_number_of_threads_gives_the_same_bits() {
     for seed in 0..24 {
         let target = seeded(&scene(), seed).target(&blocks_of(8));
         let picture = seeded(&picture(), seed);
-        let [one, two, three] = [1, 2, 3].map(|threads| pool(threads).expect("threads").install(|| picture.cast(&target)));
+        let [one, two, three] =
+            [1, 2, 3].map(|threads| pool(threads).expect("threads").install(|| picture.cast(&target)));
         assert_eq!(same(&one, &two), Ok(()), "seed {seed}");
         assert_eq!(same(&one, &three), Ok(()), "seed {seed}");
     }
