@@ -25,15 +25,15 @@ pub struct Format {
     pub writer: Option<Writer>,
 }
 
-/// All formats; the first that recognises a file reads it.
+/// All formats; the first that recognises a file reads it. (DICOM before TIFF: what comes before a DICOM file's data may be a TIFF header.)
 pub const FORMATS: [&Format; 11] = [
     &nrrd::FORMAT,
     &nifti::FORMAT,
     &metaimage::FORMAT,
+    &dicom::FORMAT,
     &vtk::XML,
     &vtk::LEGACY,
     &tiff::FORMAT,
-    &dicom::FORMAT,
     &zarr::FORMAT,
     &slices::FORMAT,
     &volpack::FORMAT,
