@@ -305,10 +305,11 @@ impl Grower<'_> {
         }
     }
 
-    /// Where no preimage is found, there is none of what is deformed, unless the search stopped within that.
+    /// Where no preimage is found, there is none of what is deformed, unless the search stopped within that. Its box in the frame may be
+    /// larger than the one that is proven free of folds, which holds all of it too.
     fn unreachable(&self, stop: DVec3) -> Result<Node, WarpError> {
         let place = affine::point(&self.frame.frame_from_node, stop);
-        if !self.source.contains(place) {
+        if !self.source.contains(place) || !self.frame.morph.within().contains(stop) {
             return Ok(Node::Empty);
         }
         Err(WarpError::NoInverse {

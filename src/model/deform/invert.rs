@@ -15,7 +15,7 @@ pub(super) struct Preimage {
 
 /// Steps of Newton's iteration, and halvings of one of them. It takes three or four; many more happen only where φ folds.
 const STEPS: usize = 40;
-const HALVINGS: usize = 40;
+const HALVINGS: usize = 12;
 
 /// Before the last step the point is off by less than this part of the landmarks' spread. The step leaves the square of it,
 /// times how φ bends.

@@ -169,7 +169,10 @@ mod tests {
     fn sizes_alone_tell_cubes_and_squares() {
         assert_eq!(
             options("neghip.raw", 66 * 66 * 66),
-            ["--raw-dims 66,66,66 --raw-type u8", "--raw-dims 33,33,33 --raw-type f64"]
+            [
+                "--raw-dims 66,66,66 --raw-type u8",
+                "--raw-dims 33,33,33 --raw-type f64"
+            ]
         );
         assert_eq!(
             options("a.raw", 256 * 256 * 109)[0],
