@@ -127,7 +127,7 @@ impl VolumeBeside {
     /// Writes `grid` beside `path`.
     ///
     /// # Errors
-    /// As [`write`].
+    /// As [`write()`].
     pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> Result<Self, WriteError> {
         let (_, writer) = writer_of(path)?;
         Self::of(path, (writer.files)(&Work { path, grid, encoding }))
