@@ -106,6 +106,18 @@ impl Overlap {
 }
 
 impl<T> Piece<'_, T> {
+    /// The rows of the region in the brick, in the order of their places: those, and the voxels there.
+    fn rows(&self) -> impl Iterator<Item = (Range<usize>, &[T])> {
+        let [x, y, z] = &self.overlaps;
+        let planes = z.pairs().take_while(|(plane, _)| *plane < self.planes);
+        planes.flat_map(move |(plane, k)| {
+            y.pairs().map(move |(row, j)| {
+                let start = plane * Z_STRIDE + row * Y_STRIDE;
+                (start + x.places.start..start + x.places.end, self.row(j, k))
+            })
+        })
+    }
+
     /// The voxels of row `j` of slice `k` of the region, as far as the brick has places for them.
     fn row(&self, j: usize, k: usize) -> &[T] {
         let x = &self.overlaps[0];
@@ -125,20 +137,22 @@ impl<T: Voxel> Brick<T> {
         {
             return 0;
         }
-        let [x, y, z] = &piece.overlaps;
         let mut allocated = 0;
-        for (plane, k) in z.pairs().take_while(|(plane, _)| *plane < piece.planes) {
-            for (row, j) in y.pairs() {
-                let (voxels, start) = (piece.row(j, k), plane * Z_STRIDE + row * Y_STRIDE);
-                let places = start + x.places.start..start + x.places.end;
-                if self.is_all(voxels) {
-                    continue;
-                }
-                allocated += self.make_room(piece, places.start);
-                self.put_row(places, voxels);
-            }
+        let mut rows = piece.rows();
+        if !self.has_room() {
+            let Some((places, voxels)) = rows.find(|(_, voxels)| !self.is_all(voxels)) else {
+                return 0;
+            };
+            allocated = self.make_room(piece, places.start);
+            self.put_rows(std::iter::once((places, voxels)));
         }
+        self.put_rows(rows);
         allocated
+    }
+
+    /// Whether there is room for all its voxels.
+    fn has_room(&self) -> bool {
+        matches!(self, Self::Voxels(v) if !v.is_empty())
     }
 
     /// Whether all voxels that have come and `voxels` are one value; then that is held.
@@ -171,9 +185,12 @@ impl<T: Voxel> Brick<T> {
         allocated
     }
 
-    /// Puts `voxels`, the last one repeated, in some places of a row.
-    fn put_row(&mut self, places: Range<usize>, voxels: &[T]) {
-        if let Self::Voxels(all) = self {
+    /// Puts rows of voxels, the last one repeated, in places for which there is room.
+    fn put_rows<'a>(&mut self, rows: impl Iterator<Item = (Range<usize>, &'a [T])>) {
+        let Self::Voxels(all) = self else {
+            return;
+        };
+        for (places, voxels) in rows {
             let (each, beyond) = all[places].split_at_mut(voxels.len());
             each.iter_mut().zip(voxels).for_each(|(place, v)| *place = v.regular());
             beyond.fill(voxels[voxels.len() - 1].regular());
