@@ -93,7 +93,7 @@ def zarr_():
         yield of_folder(pathlib.Path(folder))
 
 
-SEEDS = {"nrrd": nrrd, "nifti-1": nifti_1, "zarr": zarr_, "raw": raw}
+SEEDS = {"nrrd": nrrd, "nifti": nifti_1, "zarr": zarr_, "raw": raw}
 
 
 def main():
