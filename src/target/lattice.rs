@@ -288,28 +288,31 @@ mod tests {
 
     #[test]
     fn what_is_cut_away_along_the_volumes_own_axes_is_empty() {
-        // In the world the boxes of both halves overlap: it takes the volume's axes to see that nothing is left.
+        // In the world the boxes of what both cuts leave overlap: it takes the volume's axes to see that nothing is left.
+        let world_from_index = DAffine3::from_mat3_translation(
+            glam::DMat3::from_cols(
+                DVec3::new(-0.18632472424888102, -0.31891908201174063, 0.33700699734926437),
+                DVec3::new(0.6143608386553211, -0.6777132038359971, -0.3016704691074564),
+                DVec3::new(0.5434561481132777, 0.2525313889276015, 0.5394439792183232),
+            ),
+            DVec3::new(-3.5, 6.210821776158894, 0.0),
+        );
+        let grid = Grid::new([1, 6, 9], world_from_index, Voxels::U8(vec![7; 54])).expect("a grid");
         let mut model = Model::default();
-        let volume = model.push(oblique());
-        let Node::Volume(leaf) = &model.nodes()[volume.index()] else {
-            unreachable!("a volume was pushed")
-        };
-        let world_from_index = *leaf.bricks.world_from_index();
-        let axis = world_from_index.matrix3.x_axis.normalize();
-        let middle = axis.dot(world_from_index.translation) + 2.5;
-        let below = Plane {
-            normal: axis,
-            offset: middle - 0.1,
-        };
-        let above = Plane {
-            normal: -axis,
-            offset: -(middle + 0.1),
-        };
-        let child = model.push(Node::Cut {
-            child: volume,
-            plane: below,
-        });
-        model.push(Node::Cut { child, plane: above });
+        let mut child = model.push(Node::Volume(VolumeLeaf {
+            bricks: Arc::new(Bricks::new(&grid)),
+            window: Interval::ALL,
+        }));
+        let oblique = DVec3::new(0.7852272262745581, -0.37770098700201665, -0.49067317792484505);
+        for (normal, offset) in [(DVec3::X, 0.0), (oblique, 5.854400364729085)] {
+            let plane = Plane { normal, offset };
+            child = model.push(Node::Cut { child, plane });
+        }
+        let tree = Tree::new(&model, &DAffine3::IDENTITY).expect("a tree");
+        assert!(
+            !tree.bounds_in(&DAffine3::IDENTITY).is_empty(),
+            "boxes that tell in the world"
+        );
         let lattice = Lattice::of_model(&model, None);
         assert!(
             matches!(lattice, Err(TargetError::Lattice(LatticeError::Empty))),
