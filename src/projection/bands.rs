@@ -20,13 +20,14 @@ const COUNT: usize = 10;
 /// A plan is cut if a ray can end in this part of the way through it; later it saves less than bands cost.
 const SOON: f64 = 0.25;
 
-/// `plan`, cut into bands if it can pay: if what is in front can hide what is behind.
+/// `plan`, cut into bands if it can pay.
 pub fn cut(plan: SlicePlan, spec: &FrameSpec) -> SlicePlan {
-    if spec.settings.mode.blending() == Blending::Over && least_through(spec) * f64::from(HIDES_ALL_BUT) < 1.0 {
-        cut_into(plan, COUNT)
-    } else {
-        plan
-    }
+    if can_hide(spec) { cut_into(plan, COUNT) } else { plan }
+}
+
+/// Whether what is in front can hide what is behind soon enough for it to pay.
+pub fn can_hide(spec: &FrameSpec) -> bool {
+    spec.settings.mode.blending() == Blending::Over && least_through(spec) * f64::from(HIDES_ALL_BUT) < 1.0
 }
 
 /// The least light that can pass [`SOON`] of all planes: the most opaque entry of the table at each of them.

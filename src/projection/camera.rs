@@ -132,7 +132,12 @@ impl Camera {
 
     /// The ray through the centre of pixel `(x, y)`, as the eye-space point at depth `z` (millimetres).
     pub fn point_at_depth(&self, x: u32, y: u32, z: f64) -> DVec3 {
-        let off_axis = DVec2::new(f64::from(x), f64::from(y)) + 0.5 - self.center_px();
+        self.unproject(DVec2::new(f64::from(x), f64::from(y)) + 0.5, z)
+    }
+
+    /// The eye-space point at depth `z` (millimetres) that falls on a place in the frame, in pixels.
+    pub fn unproject(&self, px: DVec2, z: f64) -> DVec3 {
+        let off_axis = px - self.center_px();
         match self.lens {
             Lens::Orthographic { pixels_per_mm } => (off_axis / pixels_per_mm).extend(z),
             Lens::Perspective { focal_px, .. } => (off_axis * (z / focal_px)).extend(z),

@@ -32,6 +32,17 @@ impl TransferTable {
         }
     }
 
+    /// The entries that values in `values` take in a table over `range`, and one more on each side for the rounding of stored values.
+    pub fn taken(range: Interval, values: Interval) -> std::ops::Range<usize> {
+        let last = Self::LEN - 1;
+        let entry = |v: f32| {
+            let width = range.width().max(f32::MIN_POSITIVE);
+            ((v - range.lo) / width).clamp(0.0, 1.0) * last as f32
+        };
+        let first = (entry(values.lo).floor() as usize).saturating_sub(1);
+        first..(entry(values.hi).ceil() as usize + 2).min(Self::LEN)
+    }
+
     /// Premultiplied RGBA of each entry.
     pub fn entries(&self) -> &[[f32; 4]] {
         &self.entries

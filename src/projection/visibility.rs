@@ -1,13 +1,14 @@
 //! Which parts of the target a transfer function shows.
 //!
 //! *Changes from the paper.* VCSG draws every block that the tree reaches; here only those parts of a block are drawn whose
-//! value ranges ([`CellRanges`]) are not invisible throughout.
+//! value ranges ([`CellRanges`]) are not invisible throughout, and that do not lie behind what hides them ([`Horizon`]).
 //! *Practice.* Opaque table entries are counted once in a running sum, so asking for a range of values costs two look-ups.
 
 use glam::{DVec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 use super::halving::{Halving, Shown};
+use super::horizon::Horizon;
 use super::{Camera, FrameSpec, Planes, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
 use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants_back_to_front};
@@ -67,7 +68,7 @@ impl VisibleValues {
         }
     }
 
-    /// Whether a value in `range` can show. An entry on each side counts too, for the rounding of stored values.
+    /// Whether a value in `range` can show.
     pub fn any_in(&self, range: Interval) -> bool {
         if range.is_empty() {
             return false;
@@ -77,14 +78,8 @@ impl VisibleValues {
             Which::Positive => return range.hi > 0.0,
             Which::Opaque(visible_before) => visible_before,
         };
-        let last = TransferTable::LEN - 1;
-        let entry = |v: f32| {
-            let width = self.value_range.width().max(f32::MIN_POSITIVE);
-            ((v - self.value_range.lo) / width).clamp(0.0, 1.0) * last as f32
-        };
-        let first = (entry(range.lo).floor() as usize).saturating_sub(1);
-        let end = (entry(range.hi).ceil() as usize + 2).min(last + 1);
-        visible_before[end] > visible_before[first]
+        let entries = TransferTable::taken(self.value_range, range);
+        visible_before[entries.end] > visible_before[entries.start]
     }
 }
 
@@ -166,6 +161,8 @@ pub struct Visibility<'a> {
     pub values: &'a VisibleValues,
     /// Edge of the smallest cubes that are drawn apart, a power of two of at least [`CELL`] voxels.
     pub min_cube: usize,
+    /// Where others hide all behind them, if that is known.
+    pub horizon: Option<&'a Horizon>,
     /// What a box costs: parts that do not show are drawn with the rest where that is cheaper than to draw around them.
     pub cost: DrawCost,
 }
@@ -199,7 +196,8 @@ impl Visibility<'_> {
             return Shown::default();
         }
         if cube.size <= self.min_cube.max(CELL) {
-            if !self.any_cell(block, &cube) {
+            let hidden = |horizon: &Horizon| horizon.hides(&cube.bounds(extent));
+            if !self.any_cell(block, &cube) || self.horizon.is_some_and(hidden) {
                 return Shown::default();
             }
             let origin = cube.origin;

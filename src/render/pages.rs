@@ -180,7 +180,7 @@ impl PagedTarget {
             self.reconstruct += reconstructed - begin;
             self.upload += reconstructed.elapsed();
             for (piece, texels) in batch.iter().zip(&filled) {
-                self.cells[piece.index].ranges.extend(&texels.cells.ranges);
+                self.cells[piece.index].append(&texels.cells);
             }
             progress(batch.iter().map(|p| p.slab.extent.iter().product::<usize>()).sum());
             rest = later;

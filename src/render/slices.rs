@@ -14,8 +14,8 @@ use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler
 use crate::image::{Frame, Rgba};
 use crate::interface::TABLE_LEN;
 use crate::projection::{
-    Camera, DrawCost, FrameSpec, Planes, ProjectError, Projector, Settings, SlicePlan, SoftNormals, TransferTable,
-    Visibility, VisibleValues,
+    Camera, DrawCost, FrameSpec, Horizon, Planes, ProjectError, Projector, Settings, SlicePlan, SoftNormals,
+    TransferTable, Visibility, VisibleValues,
 };
 use crate::projection::{bands, composite};
 use crate::surface::SurfaceView;
@@ -260,17 +260,25 @@ pub fn soft_normals(spec: &FrameSpec) -> Option<SoftNormals> {
 
 /// What [`SliceRenderer::draw`] draws of a target: its visible boxes, back to front.
 pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
-    bands::cut(plan_on(spec.planes(), spec, paged), spec)
+    let planes = spec.planes();
+    let horizon = bands::can_hide(spec).then(|| Horizon::new(spec, &paged.cells));
+    bands::cut(plan_before(horizon.as_ref(), planes, spec, paged), spec)
 }
 
 /// What is drawn on `planes`, in one band.
 pub(super) fn plan_on(planes: Planes, spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
+    plan_before(None, planes, spec, paged)
+}
+
+/// What is drawn on `planes` that does not lie behind `horizon`, in one band.
+fn plan_before(horizon: Option<&Horizon>, planes: Planes, spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
     let values = VisibleValues::in_frame(spec);
     let visibility = Visibility {
         target: spec.target,
         cells: &paged.cells,
         values: &values,
         min_cube: MIN_CUBE,
+        horizon,
         cost: DrawCost::new(&spec.target.lattice, spec.camera, &planes),
     };
     SlicePlan::new(&visibility, spec.camera, planes)

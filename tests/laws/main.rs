@@ -5,6 +5,7 @@
 
 mod bounds;
 mod edit;
+mod horizon;
 mod order;
 mod path;
 mod picture;

@@ -102,7 +102,7 @@ proptest! {
         let target = scene.target(&subdivision);
         let cells = cells_of(&target);
         let values = VisibleValues::all(target.value_range);
-        let visibility = Visibility { target: &target, cells: &cells, values: &values, min_cube, cost: DrawCost::VOXELS };
+        let visibility = Visibility { target: &target, cells: &cells, values: &values, min_cube, horizon: None, cost: DrawCost::VOXELS };
         let bounds = target.lattice.bounds();
         let viewpoint = in_lattice(viewpoint, &bounds);
         let boxes = boxes(&visibility.boxes_back_to_front(viewpoint));
@@ -121,6 +121,7 @@ fn two_swapped_boxes_are_seen() {
             cells: &cells,
             values: &values,
             min_cube: 8,
+            horizon: None,
             cost: DrawCost::VOXELS,
         };
         let bounds = target.lattice.bounds();

@@ -59,6 +59,7 @@ impl Picture {
                 cells: &cells,
                 values: &values,
                 min_cube: 8,
+                horizon: None,
                 cost: DrawCost::VOXELS,
             };
             let lattice_from_world = target.lattice.world_from_lattice.inverse();

@@ -37,6 +37,7 @@ impl Planned {
             cells: &cells,
             values: &values,
             min_cube: 8,
+            horizon: None,
             cost: DrawCost::VOXELS,
         };
         let planes = Planes::new(&target.lattice, &camera, samples_per_voxel);

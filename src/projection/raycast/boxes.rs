@@ -25,7 +25,8 @@ pub fn front_to_back(spec: &FrameSpec, target: &CastTarget) -> Vec<CastBox> {
         target: spec.target,
         cells: &target.cells,
         values: &values,
-        min_cube: CELL,
+        min_cube: 2 * CELL,
+        horizon: None,
         cost: DrawCost::of_rays(&spec.target.lattice, spec.camera, &spec.planes()),
     };
     let lattice = &spec.target.lattice;

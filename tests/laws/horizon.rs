@@ -1,0 +1,136 @@
+//! What lies behind a horizon does not show: the frame without it lacks no more than passes what hides it.
+
+use glam::DVec3;
+use proptest::prelude::*;
+use vcsg::image::Frame;
+use vcsg::interface::HIDES_ALL_BUT;
+use vcsg::math::Aabb;
+use vcsg::model::Boundary;
+use vcsg::projection::{Camera, FrameSpec, Horizon, Lens, Settings, TransferFunction, reference};
+use vcsg::target::{Target, VoxelTarget};
+
+use crate::order::cells_of;
+use crate::support::scenes::{scene, subdivision};
+use crate::support::views::{Eye, Look, eye, look};
+use crate::support::{cases, seeded};
+
+/// Edge of the cubes that a horizon is asked for, voxels.
+const CUBE: usize = 8;
+
+/// A view of a target in which much is opaque, in pixels as small as voxels.
+struct Seen<'a> {
+    target: &'a Target,
+    transfer: TransferFunction,
+    camera: Camera,
+}
+
+impl<'a> Seen<'a> {
+    fn new(target: &'a Target, eye: &Eye, look: &Look) -> Self {
+        let points = look.transfer(target.value_range).points().to_vec();
+        Self {
+            target,
+            transfer: TransferFunction::new(points, 0.02).expect("the same points"),
+            camera: enlarged(eye.camera(&target.lattice.world_bounds())),
+        }
+    }
+
+    fn spec<'b>(&'b self, settings: &'b Settings) -> FrameSpec<'b> {
+        FrameSpec {
+            target: self.target,
+            transfer: &self.transfer,
+            camera: &self.camera,
+            settings,
+        }
+    }
+
+    /// The cubes of the lattice that are hidden as `hides` says.
+    fn hidden(&self, hides: impl Fn(&Horizon, &Aabb) -> bool) -> Vec<Aabb> {
+        let settings = Settings::default();
+        let horizon = Horizon::new(&self.spec(&settings), &cells_of(self.target));
+        let [x, y, z] = self.target.lattice.dims.map(|n| n.div_ceil(CUBE));
+        let cube = |n: usize| {
+            let first = DVec3::new((n % x) as f64, (n / x % y) as f64, (n / (x * y)) as f64) * CUBE as f64 - 0.5;
+            Aabb::new(first, first + CUBE as f64)
+        };
+        (0..x * y * z).map(cube).filter(|cube| hides(&horizon, cube)).collect()
+    }
+
+    /// Whether the frame without `hidden` is the whole one, as nearly as it must be: unlit, no colour is above its opacity, and
+    /// frames are rounded to single precision.
+    fn lacks_little_without(&self, hidden: &[Aabb]) -> Result<(), String> {
+        let most = 1.0 / f64::from(HIDES_ALL_BUT) + 2f64.powi(-23);
+        let settings = Settings::default();
+        let (voxels, spec) = (VoxelTarget::new(self.target), self.spec(&settings));
+        let whole = reference::render(&voxels, &spec);
+        let shown = |p: DVec3| !hidden.iter().any(|cube| cube.contains(p));
+        let part: Frame = reference::render_where(&voxels, &spec, &shown);
+        let channels = whole.pixels().as_flattened().iter().zip(part.pixels().as_flattened());
+        let lacking = |(n, (whole, part)): (usize, (&f32, &f32))| {
+            let lacks = f64::from(*whole) - f64::from(*part);
+            (lacks.abs() > most).then(|| format!("channel {n} is {part} instead of {whole}"))
+        };
+        channels.enumerate().find_map(lacking).map_or(Ok(()), Err)
+    }
+}
+
+fn enlarged(camera: Camera) -> Camera {
+    const TIMES: u32 = 3;
+    let times = f64::from(TIMES);
+    Camera {
+        lens: match camera.lens {
+            Lens::Orthographic { pixels_per_mm } => Lens::Orthographic {
+                pixels_per_mm: times * pixels_per_mm,
+            },
+            Lens::Perspective { focal_px, near_mm } => Lens::Perspective {
+                focal_px: times * focal_px,
+                near_mm,
+            },
+        },
+        size: camera.size.map(|n| TIMES * n),
+        ..camera
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(96))]
+
+    #[test]
+    fn what_lies_behind_a_horizon_does_not_show(
+        scene in scene(),
+        subdivision in subdivision(Boundary::Exact),
+        eye in eye(),
+        look in look(),
+    ) {
+        let target = scene.target(&subdivision);
+        let seen = Seen::new(&target, &eye, &look);
+        let hidden = seen.hidden(Horizon::hides);
+        prop_assert_eq!(seen.lacks_little_without(&hidden), Ok(()));
+    }
+}
+
+/// Of some views those in which something is hidden as `hides` says, and those that lack it.
+fn some_views(hides: impl Fn(&Horizon, &Aabb) -> bool + Copy) -> [usize; 2] {
+    let views = (0..48).map(|seed| {
+        let target = seeded(&scene(), seed).target(&seeded(&subdivision(Boundary::Exact), seed));
+        let seen = Seen::new(&target, &seeded(&eye(), seed), &seeded(&look(), seed));
+        let hidden = seen.hidden(hides);
+        [!hidden.is_empty(), seen.lacks_little_without(&hidden).is_err()]
+    });
+    views.fold([0, 0], |[some, lack], [is_some, lacks]| {
+        [some + usize::from(is_some), lack + usize::from(lacks)]
+    })
+}
+
+#[test]
+fn horizons_too_near_are_seen() {
+    let [hiding, lacking] = some_views(Horizon::hides);
+    println!("something is hidden in {hiding} of 48 views");
+    assert!(hiding > 5 && lacking == 0, "{hiding} hide, {lacking} lack");
+    // Cubes beside and before those that are hidden.
+    let [_, lacking] = some_views(|horizon, cube| {
+        let ends = [DVec3::ZERO, DVec3::ONE, DVec3::NEG_ONE].map(|way| CUBE as f64 * way);
+        ends.iter()
+            .any(|by| horizon.hides(&Aabb::new(cube.min + *by, cube.max + *by)))
+    });
+    assert!(lacking > 3, "{lacking} of 48");
+}
