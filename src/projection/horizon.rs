@@ -8,16 +8,17 @@
 //! *Practice.* Planes are taken several at a time: as many as half a cell holds. A tile is about as wide as a cell, and its search
 //! begins with the first cell in it that is opaque throughout. Path lengths of perspective only make slabs more opaque.
 
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3A};
 use rayon::prelude::*;
 
+use super::table::TakenEntries;
 use super::{Camera, FrameSpec, Planes, TransferTable, eye_from_lattice};
 use crate::interface::HIDES_ALL_BUT;
 use crate::math::{Aabb, Interval, affine};
 use crate::target::{CELL, CellRanges, Target};
 
 /// Cells are taken to reach this far beyond their faces, voxels, and tiles this many pixels: where a device samples is rounded.
-const UNSURE: f64 = 1.0 / 64.0;
+const UNSURE: f64 = 1.0 / 32.0;
 
 /// The depths behind which nothing shows, tile by tile.
 #[derive(Clone, Debug)]
@@ -139,8 +140,8 @@ impl Tiles {
 /// The least opacity of a slab in each cell of the lattice.
 struct Opacities {
     dims: [usize; 3],
-    /// Of the lattice.
-    bounds: Aabb,
+    /// The ends of the lattice.
+    bounds: [Vec3A; 2],
     least: Vec<f32>,
 }
 
@@ -149,7 +150,7 @@ impl Opacities {
         let Target { lattice, blocks, .. } = spec.target;
         let dims = lattice.dims.map(|n| n.div_ceil(CELL));
         let mut least = vec![0.0; dims.iter().product()];
-        let opacity = LeastOpacity::new(spec);
+        let (opacity, bounds) = (LeastOpacity::new(spec), lattice.bounds());
         for (block, cells) in blocks.iter().zip(cells) {
             let known = cells.ranges.par_iter().zip(&cells.covered);
             let of_block: Vec<f32> = known
@@ -165,7 +166,7 @@ impl Opacities {
         }
         Self {
             dims,
-            bounds: lattice.bounds(),
+            bounds: [bounds.min, bounds.max].map(|end| end.as_vec3a()),
             least,
         }
     }
@@ -193,14 +194,15 @@ impl Opacities {
     }
 
     /// The least of all cells that a box touches; 0 where it leaves the lattice.
-    fn within(&self, least: DVec3, greatest: DVec3) -> f32 {
-        let (least, greatest) = (least - UNSURE, greatest + UNSURE);
-        if !(self.bounds.contains(least) && self.bounds.contains(greatest)) {
+    fn within(&self, [least, greatest]: [Vec3A; 2]) -> f32 {
+        let (least, greatest) = (least - UNSURE as f32, greatest + UNSURE as f32);
+        if least.cmplt(self.bounds[0]).any() || greatest.cmpgt(self.bounds[1]).any() {
             return 0.0;
         }
-        let cell = |p: DVec3, a: usize| ((p[a] + 0.5) / CELL as f64) as usize;
-        let first: [usize; 3] = std::array::from_fn(|a| cell(least, a));
-        let last: [usize; 3] = std::array::from_fn(|a| cell(greatest, a).min(self.dims[a] - 1));
+        let cell = |p: Vec3A| ((p + 0.5) / CELL as f32).to_array().map(|n| n as usize);
+        let (first, last) = (cell(least), cell(greatest));
+        // A point on the lattice's last face lies in its last cell.
+        let last: [usize; 3] = std::array::from_fn(|a| last[a].min(self.dims[a] - 1));
         let mut opacity = f32::INFINITY;
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
@@ -220,7 +222,7 @@ impl Opacities {
 /// The least opacity of a slab of which the values are known to lie in a range.
 enum LeastOpacity {
     /// Entry `i` of run `n` is the least of the `2ⁿ` table entries from `i` on.
-    Table { range: Interval, runs: Vec<Vec<f32>> },
+    Table { taken: TakenEntries, runs: Vec<Vec<f32>> },
     /// Of opacities, which hold for paths of a length: so many of them are a slab.
     Colors { slab_units: f32 },
 }
@@ -241,20 +243,21 @@ impl LeastOpacity {
             runs.push(pairs.map(|(a, b)| a.min(*b)).collect());
         }
         Self::Table {
-            range: spec.target.value_range,
+            taken: TakenEntries::new(spec.target.value_range),
             runs,
         }
     }
 
     fn of(&self, values: Interval) -> f32 {
         match self {
-            Self::Table { range, runs } => {
-                let entries = TransferTable::taken(*range, values);
-                if runs[0][entries.start] == 0.0 {
+            Self::Table { taken, runs } => {
+                let first = taken.first(values);
+                if runs[0][first] == 0.0 {
                     return 0.0;
                 }
-                let n = entries.len().ilog2() as usize;
-                runs[n][entries.start].min(runs[n][entries.end - (1 << n)])
+                let end = taken.end(values);
+                let n = (end - first).ilog2() as usize;
+                runs[n][first].min(runs[n][end - (1 << n)])
             }
             Self::Colors { slab_units } => 1.0 - (1.0 - values.lo.clamp(0.0, 1.0)).powf(*slab_units),
         }
@@ -293,33 +296,53 @@ impl<'a> Search<'a> {
     fn behind_mm(&self, place: &[DVec2; 2], from_mm: f64) -> f64 {
         let [near, far] = self.depths_mm;
         let planes = self.planes.between(near.max(from_mm), far);
-        let rays = self.corner_rays(place);
+        let bundle = self.bundle(place);
         let mut passes = 1.0;
+        let mut near_end = bundle.across(self.planes.depth(planes.start));
         for first in planes.clone().step_by(self.stride as usize) {
             let end = (first + self.stride).min(planes.end);
-            let ends_mm = [self.planes.depth(first), self.planes.depth(end - 1)];
-            let places = rays
-                .iter()
-                .flat_map(|[from, along]| ends_mm.map(|z| *from + z * *along));
-            let (least, greatest) = places.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, greatest), p| {
-                (least.min(p), greatest.max(p))
-            });
-            let opacity = f64::from(self.opacities.within(least, greatest));
+            let far_end = bundle.across(self.planes.depth(end));
+            let part = [near_end[0].min(far_end[0]), near_end[1].max(far_end[1])];
+            let opacity = f64::from(self.opacities.within(part));
             passes *= (1.0 - opacity).powi((end - first) as i32);
             if passes * f64::from(HIDES_ALL_BUT) < 1.0 {
-                return ends_mm[1];
+                return self.planes.depth(end - 1);
             }
+            near_end = far_end;
         }
         f64::INFINITY
     }
 
-    /// The rays through the corners of a part of the frame, in lattice coordinates: where they are at depth 0, and where they go
-    /// a millimetre of depth.
-    fn corner_rays(&self, place: &[DVec2; 2]) -> [[DVec3; 2]; 4] {
-        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| {
+    /// The rays through the corners of a part of the frame.
+    fn bundle(&self, place: &[DVec2; 2]) -> Bundle {
+        let [near, far] = self.depths_mm;
+        let rays = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| {
             let px = DVec2::new(place[x].x, place[y].y);
-            let [from, to] = [0.0, 1.0].map(|z| affine::point(&self.lattice_from_eye, self.camera.unproject(px, z)));
-            [from, to - from]
-        })
+            let at = |z: f64| affine::point(&self.lattice_from_eye, self.camera.unproject(px, z));
+            [at(near), at(far) - at(near)].map(|v| v.as_vec3a())
+        });
+        Bundle {
+            rays,
+            near_mm: near,
+            depth_mm: (far - near).max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+/// Four rays in lattice coordinates: where they are at a depth, and where they go until another. (In single precision: of the
+/// largest lattice a voxel is 2⁻⁸ off at most, which [`UNSURE`] allows.)
+struct Bundle {
+    rays: [[Vec3A; 2]; 4],
+    near_mm: f64,
+    depth_mm: f64,
+}
+
+impl Bundle {
+    /// The least and the greatest coordinates between them at a depth, millimetres.
+    fn across(&self, z: f64) -> [Vec3A; 2] {
+        let part = ((z - self.near_mm) / self.depth_mm) as f32;
+        let places = self.rays.map(|[from, way]| from + part * way);
+        let hull = |end: fn(Vec3A, Vec3A) -> Vec3A| end(end(places[0], places[1]), end(places[2], places[3]));
+        [hull(Vec3A::min), hull(Vec3A::max)]
     }
 }

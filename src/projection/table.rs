@@ -32,17 +32,6 @@ impl TransferTable {
         }
     }
 
-    /// The entries that values in `values` take in a table over `range`, and one more on each side for the rounding of stored values.
-    pub fn taken(range: Interval, values: Interval) -> std::ops::Range<usize> {
-        let last = Self::LEN - 1;
-        let entry = |v: f32| {
-            let width = range.width().max(f32::MIN_POSITIVE);
-            ((v - range.lo) / width).clamp(0.0, 1.0) * last as f32
-        };
-        let first = (entry(values.lo).floor() as usize).saturating_sub(1);
-        first..(entry(values.hi).ceil() as usize + 2).min(Self::LEN)
-    }
-
     /// Premultiplied RGBA of each entry.
     pub fn entries(&self) -> &[[f32; 4]] {
         &self.entries
@@ -52,6 +41,38 @@ impl TransferTable {
     pub fn at(&self, fraction: f64) -> [f64; 4] {
         let nearest = fraction.clamp(0.0, 1.0) * (Self::LEN - 1) as f64 + 0.5;
         self.entries[nearest as usize].map(f64::from)
+    }
+}
+
+/// Which entries of a table values take that are known to lie in a range: those of its ends and all between, and one more on each
+/// side for the rounding of stored values and of this.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TakenEntries {
+    lo: f32,
+    entries_per_unit: f32,
+}
+
+impl TakenEntries {
+    /// In a table over `range`.
+    pub(super) fn new(range: Interval) -> Self {
+        Self {
+            lo: range.lo,
+            entries_per_unit: (TransferTable::LEN - 1) as f32 / range.width().max(f32::MIN_POSITIVE),
+        }
+    }
+
+    fn entry(&self, value: f32) -> f32 {
+        ((value - self.lo) * self.entries_per_unit).clamp(0.0, (TransferTable::LEN - 1) as f32)
+    }
+
+    /// The first of them.
+    pub(super) fn first(&self, values: Interval) -> usize {
+        (self.entry(values.lo) as usize).saturating_sub(1)
+    }
+
+    /// One beyond the last of them.
+    pub(super) fn end(&self, values: Interval) -> usize {
+        (self.entry(values.hi).ceil() as usize + 2).min(TransferTable::LEN)
     }
 }
 

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::halving::{Halving, Shown};
 use super::horizon::Horizon;
+use super::table::TakenEntries;
 use super::{Camera, FrameSpec, Planes, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
 use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants_back_to_front};
@@ -16,7 +17,7 @@ use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants
 /// The values that are not invisible.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibleValues {
-    value_range: Interval,
+    taken: TakenEntries,
     shown: Which,
 }
 
@@ -33,7 +34,7 @@ impl VisibleValues {
     /// Every value shows (maximum, minimum and average projections).
     pub fn all(value_range: Interval) -> Self {
         Self {
-            value_range,
+            taken: TakenEntries::new(value_range),
             shown: Which::All,
         }
     }
@@ -46,7 +47,7 @@ impl VisibleValues {
             Self::all(range)
         } else if spec.target.tree.has_colors() {
             Self {
-                value_range: range,
+                taken: TakenEntries::new(range),
                 shown: Which::Positive,
             }
         } else {
@@ -63,7 +64,7 @@ impl VisibleValues {
             visible_before.push(count);
         }
         Self {
-            value_range,
+            taken: TakenEntries::new(value_range),
             shown: Which::Opaque(visible_before),
         }
     }
@@ -78,8 +79,7 @@ impl VisibleValues {
             Which::Positive => return range.hi > 0.0,
             Which::Opaque(visible_before) => visible_before,
         };
-        let entries = TransferTable::taken(self.value_range, range);
-        visible_before[entries.end] > visible_before[entries.start]
+        visible_before[self.taken.end(range)] > visible_before[self.taken.first(range)]
     }
 }
 
