@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::normal::StoredNormals;
 use super::span::Span;
 use crate::math::Aabb;
-use crate::projection::{EMPTY_BELOW, FrameSpec};
+use crate::projection::{EMPTY_BELOW, FrameSpec, half_differences};
 use crate::target::{Layout, Target, VoxelTarget};
 
 /// Fraction of the value range times coverage, coverage, and the least and the most that the three parts of the soft normal
@@ -92,13 +92,10 @@ impl VoxelField {
     }
 
     fn half_differences(&self, at: [i64; 3]) -> DVec3 {
-        let neighbour = |axis: usize, by: i64| {
-            let mut at = at;
-            at[axis] += by;
-            let voxel = &self.voxels[self.index(at)];
+        half_differences(|by| {
+            let voxel = &self.voxels[self.index(std::array::from_fn(|a| at[a] + by[a]))];
             voxel[WEIGHTED] + f64::from(EMPTY_BELOW) * voxel[COVERAGE]
-        };
-        DVec3::from_array(std::array::from_fn(|a| 0.5 * (neighbour(a, 1) - neighbour(a, -1))))
+        })
     }
 
     /// The voxel at a lattice point of whole coordinates; beyond the lattice its outermost voxels go on.

@@ -20,9 +20,10 @@ impl StoredNormals {
         let soft = SoftNormals::new(&spec.target.lattice, shading.soft_gradient);
         let m = soft.matrix();
         let steepest = (0..3).map(|row| m.row(row).abs().element_sum()).fold(0.0, f64::max);
-        // A difference of two fractions times the matrix (its softening only shrinks errors), and six operations up to
-        // the rounding to 16 bits on numbers of up to 1.
-        let gradient = steepest * (fraction_rounding(spec.target.value_range) + 4.0 * ULP);
+        // A difference of fractions, which are first smoothed along two axes (of numbers of up to 1.5, by eight operations and
+        // two rounded weights), times the matrix (its softening only shrinks errors), and six operations up to the rounding to 16
+        // bits on numbers of up to 1.
+        let gradient = steepest * (fraction_rounding(spec.target.value_range) + 20.0 * ULP);
         Some(Self {
             soft,
             error: gradient + 6.0 * ULP,

@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use super::composite::{self, value_source};
 use super::table::lengthened;
-use super::{EMPTY_BELOW, FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable};
+use super::{
+    EMPTY_BELOW, FrameSpec, Mode, Planes, ProjectError, Projector, SoftNormals, TransferTable, half_differences,
+};
 use crate::image::Frame;
 use crate::math::{Aabb, affine};
 use crate::target::VoxelTarget;
@@ -181,7 +183,7 @@ impl<'a> Marcher<'a> {
         (f64::from(premultiplied) - f64::from(range.lo) * f64::from(coverage)) / width
     }
 
-    /// The soft normal of a voxel in the eye frame, by central differences. Beyond the lattice its outermost voxels go on,
+    /// The soft normal of a voxel in the eye frame. Beyond the lattice its outermost voxels go on,
     /// so a voxel there has the normal of the nearest one in it.
     fn voxel_normal(&self, at: [i64; 3]) -> DVec3 {
         let Some(normals) = self.normals else {
@@ -189,14 +191,11 @@ impl<'a> Marcher<'a> {
         };
         let dims = self.voxels.target.lattice.dims;
         let at: [i64; 3] = std::array::from_fn(|a| at[a].clamp(0, dims[a] as i64 - 1));
-        let neighbour = |axis: usize, by: i64| {
-            let mut at = at;
-            at[axis] += by;
-            let voxel = self.voxels.voxel(at);
+        let half = half_differences(|by| {
+            let voxel = self.voxels.voxel(std::array::from_fn(|a| at[a] + by[a]));
             self.fraction(voxel) + f64::from(EMPTY_BELOW) * f64::from(voxel.1)
-        };
-        let half = std::array::from_fn(|a| 0.5 * (neighbour(a, 1) - neighbour(a, -1)));
-        self.spec.camera.eye_from_world.matrix3 * normals.normal(DVec3::from_array(half))
+        });
+        self.spec.camera.eye_from_world.matrix3 * normals.normal(half)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::target::Lattice;
 /// lowest value has a surface too, and a cut shows the cut's normal.
 pub const EMPTY_BELOW: f32 = 0.5;
 
-/// Makes soft normals of differences on a lattice: of the fraction of the value range times coverage, plus [`EMPTY_BELOW`] times
+/// Makes soft normals of [differences](super::half_differences) on a lattice: of the fraction of the value range times coverage, plus [`EMPTY_BELOW`] times
 /// coverage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftNormals {

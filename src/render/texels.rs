@@ -10,7 +10,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::math::Interval;
-use crate::projection::{EMPTY_BELOW, SoftNormals};
+use crate::projection::{EMPTY_BELOW, Slopes, SoftNormals};
 use crate::target::{Block, BlockVoxels, Lattice};
 
 /// The largest stored number, which stands for 1.
@@ -151,10 +151,10 @@ impl<'a> Rows<'a> {
     ) -> Vec<u16> {
         let row_len = self.len(0) * 4;
         let mut texels = vec![0; row_len * self.len(1) * planes.len()];
-        let mut row_normals = vec![Vec3::ZERO; self.len(0)];
+        let (mut slopes, mut row_normals) = (Slopes::default(), vec![Vec3::ZERO; self.len(0)]);
         for (n, out) in texels.chunks_exact_mut(row_len).enumerate() {
             let (j, k) = (n % self.len(1), planes.start + n / self.len(1));
-            normals.fill_row(self, j, k, &mut row_normals);
+            normals.fill_row(self, [j, k], &mut slopes, &mut row_normals);
             for (out, m) in out.chunks_exact_mut(4).zip(&row_normals) {
                 out[1..].copy_from_slice(&m.to_array().map(stored_normal));
             }
@@ -164,7 +164,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Soft normals by central differences. A voxel beyond the lattice has the normal of the nearest one in it.
+/// Soft normals of rows of voxels. A voxel beyond the lattice has the normal of the nearest one in it.
 pub struct NormalRows {
     matrix: glam::Mat3,
     /// What normals are made of (see [`SoftNormals`]), with the voxels' own layout.
@@ -201,17 +201,13 @@ impl NormalRows {
         }
     }
 
-    fn fill_row(&self, rows: &Rows, j: usize, k: usize, out: &mut [Vec3]) {
+    /// The normals of stored row `(j, k)`.
+    fn fill_row(&self, rows: &Rows, [j, k]: [usize; 2], slopes: &mut Slopes, out: &mut [Vec3]) {
         let clamp = |n: usize, inside: &Range<usize>| n.clamp(inside.start, inside.end - 1);
         let row = rows.at(clamp(j, &self.inside[1]), clamp(k, &self.inside[2]));
-        let (y, z) = (rows.voxels.dims[0], rows.voxels.dims[0] * rows.voxels.dims[1]);
-        let part = |from: usize| &self.fractions[from..from + row.len()];
-        let (x0, x1) = (part(row.start - 1), part(row.start + 1));
-        let (y0, y1) = (part(row.start - y), part(row.start + y));
-        let (z0, z1) = (part(row.start - z), part(row.start + z));
-        for (n, m) in out.iter_mut().enumerate() {
-            let half = 0.5 * Vec3::new(x1[n] - x0[n], y1[n] - y0[n], z1[n] - z0[n]);
-            let g = self.matrix * half;
+        slopes.of_row(&self.fractions, rows.voxels.dims, row.start, out);
+        for m in out.iter_mut() {
+            let g = self.matrix * *m;
             *m = g / (1.0 + g.length_squared()).sqrt();
         }
         let Range { start, end } = self.inside[0];

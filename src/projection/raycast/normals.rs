@@ -1,8 +1,8 @@
-//! Soft normals of a block's voxels by central differences. A voxel beyond the lattice has the normal of the nearest one in it.
+//! Soft normals of a block's voxels. A voxel beyond the lattice has the normal of the nearest one in it.
 
 use glam::{Mat3, Vec3};
 
-use crate::projection::{EMPTY_BELOW, SoftNormals};
+use crate::projection::{EMPTY_BELOW, Slopes, SoftNormals};
 use crate::target::{Block, BlockVoxels, Target};
 
 /// The normals of the stored voxels of a block, which was reconstructed with [`Block::REACH`] voxels of apron; `scales` make
@@ -14,11 +14,7 @@ pub fn voxel_normals(
     voxels: &BlockVoxels,
     scales: [f32; 2],
 ) -> Vec<[f32; 4]> {
-    let differences = Differences {
-        matrix: soft.matrix().as_mat3(),
-        heights: heights(voxels, scales),
-        dims: voxels.dims,
-    };
+    let (matrix, heights) = (soft.matrix().as_mat3(), heights(voxels, scales));
     let dims = block.stored_dims();
     let skip = voxels.apron - Block::APRON;
     // The reconstructed voxel with the normal of the nth stored one of an axis.
@@ -28,11 +24,22 @@ pub fn voxel_normals(
         inside - block.origin[axis] + skip
     };
     let mut normals = Vec::with_capacity(dims.iter().product());
+    let [first, last] = [nearest(0, 0), nearest(0, dims[0] - 1)];
+    let (mut slopes, mut found) = (Slopes::default(), vec![Vec3::ZERO; last + 1 - first]);
     for row in 0..dims[1] * dims[2] {
         let [j, k] = [nearest(1, row % dims[1]), nearest(2, row / dims[1])];
-        normals.extend((0..dims[0]).map(|i| differences.normal([nearest(0, i), j, k])));
+        let begin = first + voxels.dims[0] * (j + voxels.dims[1] * k);
+        slopes.of_row(&heights, voxels.dims, begin, &mut found);
+        normals.extend((0..dims[0]).map(|i| normal(&matrix, found[nearest(0, i) - first])));
     }
     normals
+}
+
+/// The soft normal of a slope.
+fn normal(matrix: &Mat3, slope: Vec3) -> [f32; 4] {
+    let g = *matrix * slope;
+    let m = g / (1.0 + g.length_squared()).sqrt();
+    [m.x, m.y, m.z, 0.0]
 }
 
 /// What normals are made of: see [`SoftNormals`].
@@ -45,22 +52,5 @@ fn heights(voxels: &BlockVoxels, [scale, offset]: [f32; 2]) -> Vec<f32> {
             let pairs = values.zip(coverage.iter());
             pairs.map(|(v, c)| scale * v + offset * c).collect()
         }
-    }
-}
-
-struct Differences {
-    matrix: Mat3,
-    heights: Vec<f32>,
-    dims: [usize; 3],
-}
-
-impl Differences {
-    fn normal(&self, [i, j, k]: [usize; 3]) -> [f32; 4] {
-        let [nx, ny, _] = self.dims;
-        let at = i + nx * (j + ny * k);
-        let half = |stride: usize| 0.5 * (self.heights[at + stride] - self.heights[at - stride]);
-        let g = self.matrix * Vec3::new(half(1), half(nx), half(nx * ny));
-        let m = g / (1.0 + g.length_squared()).sqrt();
-        [m.x, m.y, m.z, 0.0]
     }
 }
