@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::halving::{Halving, Shown};
 use super::{Camera, FrameSpec, Planes, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
-use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants_back_to_front};
+use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, VoxelBox, octants_back_to_front};
 
 /// The values that are not invisible.
 #[derive(Clone, Debug, PartialEq)]
@@ -194,18 +194,17 @@ impl Visibility<'_> {
     /// What is drawn of `cube`, a part of `block`.
     fn shown(&self, block: u32, cube: Cube, viewpoint: Viewpoint) -> Shown {
         let dims = self.target.lattice.dims;
-        let extent = cube.extent(dims);
-        if extent.contains(&0) {
+        let voxels = cube.voxels(dims);
+        if voxels.is_empty() {
             return Shown::default();
         }
         if cube.size <= self.min_cube.max(CELL) {
-            if !self.any_cell(block, &cube) {
+            if !self.any_cell(block, &voxels) {
                 return Shown::default();
             }
-            let origin = cube.origin;
             return Shown {
-                boxes: vec![VisibleBox { block, origin, extent }],
-                cost: self.cost.of(extent),
+                boxes: vec![VisibleBox::new(block, voxels)],
+                cost: self.cost.of(voxels.extent),
             };
         }
         let octants = self.octants(block, cube, viewpoint);
@@ -238,11 +237,12 @@ impl Visibility<'_> {
         octants
     }
 
-    fn any_cell(&self, block: u32, cube: &Cube) -> bool {
-        let origin = self.target.blocks[block as usize].origin;
+    /// Whether any cell that meets `voxels` shows. Cells begin where the block does, which the lattice may have cut.
+    fn any_cell(&self, block: u32, voxels: &VoxelBox) -> bool {
+        let from_origin = |a: usize| voxels.origin[a] - self.target.blocks[block as usize].origin[a];
         let cells = &self.cells[block as usize];
-        let first: [usize; 3] = std::array::from_fn(|a| (cube.origin[a] - origin[a]) / CELL);
-        let last: [usize; 3] = std::array::from_fn(|a| (first[a] + cube.size.div_ceil(CELL)).min(cells.dims[a]));
+        let first: [usize; 3] = std::array::from_fn(|a| from_origin(a) / CELL);
+        let last: [usize; 3] = std::array::from_fn(|a| (from_origin(a) + voxels.extent[a]).div_ceil(CELL));
         (first[2]..last[2]).any(|z| {
             (first[1]..last[1]).any(|y| (first[0]..last[0]).any(|x| self.values.any_in(cells.range([x, y, z]))))
         })
