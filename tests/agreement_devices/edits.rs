@@ -58,7 +58,9 @@ fn follow(bench: &mut Bench, seed: u64, mistake: impl Fn(&Target, Update) -> Upd
     for _ in 0..4 {
         model = moved(&model, &mut random);
         let before = &scene.target;
-        let update = before.updated(&model, &before.subdivision).expect("a target");
+        let update = before
+            .updated(&model, before.lattice, &before.subdivision)
+            .expect("a target");
         assert_eq!(update.target.value_range, before.value_range);
         let update = mistake(before, update);
         let normals = soft_normals(&scene.spec());
