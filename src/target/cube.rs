@@ -119,3 +119,62 @@ impl VoxelBox {
         Aabb::new(origin - 0.5, origin + extent - 0.5)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A lattice that begins at `first` on a grid.
+    fn lattice(first: [i32; 3], dims: [usize; 3]) -> Lattice {
+        let first = DVec3::from(first.map(f64::from));
+        let last = first + DVec3::from(dims.map(|n| n as f64)) - 1.0;
+        let whole = Lattice::axis_aligned(&Aabb::new(DVec3::splat(-130.0), DVec3::splat(130.0)), 1.0);
+        let whole = whole.expect("a lattice");
+        let shift = whole.first().as_dvec3();
+        let inner = Aabb::new(first - shift + 1.0, last - shift - 1.0);
+        whole.part(&inner).expect("voxels")
+    }
+
+    fn ranges() -> impl Strategy<Value = ([i32; 3], [usize; 3])> {
+        (prop::array::uniform3(-60i32..60), prop::array::uniform3(2usize..60))
+    }
+
+    proptest! {
+        #[test]
+        fn the_root_holds_the_lattice_and_its_octants_lie_on_the_grid((first, dims) in ranges(), bits in 0u32..5) {
+            let lattice = lattice(first, dims);
+            prop_assert_eq!(lattice.first().to_array(), first.map(i64::from));
+            let root = Cube::around(&lattice, 1 << bits);
+            prop_assert_eq!(root.voxels(dims), VoxelBox { origin: [0; 3], extent: dims });
+            let longest = dims.into_iter().max().unwrap_or(1).max(1 << bits);
+            prop_assert!(root.size >= 1 << bits && root.size <= 4 * longest, "{:?}", root);
+            for n in (0..8).filter(|_| root.size > 1 << bits) {
+                let octant = root.octant(n);
+                let on_grid = |a: usize| (octant.origin[a] + i64::from(first[a])).rem_euclid(octant.size as i64) == 0;
+                prop_assert!((0..3).all(on_grid), "{:?} of {:?}", octant, root);
+                prop_assert!(root.holds(&octant) && !octant.holds(&root));
+                prop_assert_eq!(root.octant_with(octant.origin), n);
+            }
+        }
+
+        #[test]
+        fn what_lies_in_a_lattice_is_what_each_voxel_says(
+            origin in prop::array::uniform3(-9i64..9),
+            edges in prop::array::uniform3(0usize..9),
+            dims in prop::array::uniform3(0usize..9),
+        ) {
+            let clipped = VoxelBox::clipped(origin, edges, dims);
+            for n in 0..729 {
+                let at: [usize; 3] = [n % 9, n / 9 % 9, n / 81];
+                let within = (0..3).all(|a| {
+                    let from_origin = at[a] as i64 - origin[a];
+                    at[a] < dims[a] && (0..edges[a] as i64).contains(&from_origin)
+                });
+                prop_assert_eq!(clipped.holds(at), within);
+            }
+        }
+    }
+}

@@ -79,7 +79,8 @@ impl Lattice {
 
     /// The lattice that begins at `first`, a point of whole numbers on the axes of `world_from_axes`.
     fn on_axes(world_from_axes: &DAffine3, first: DVec3, dims: [usize; 3]) -> Self {
-        let anchor = (first / Self::ANCHORS).round() * Self::ANCHORS;
+        // Nought is added to make −0, which depends on where the lattice begins, 0.
+        let anchor = (first / Self::ANCHORS).round() * Self::ANCHORS + 0.0;
         let grid = Self::new(dims, world_from_axes * DAffine3::from_translation(anchor));
         grid.moved((first - anchor).as_i64vec3(), dims)
     }
@@ -443,5 +444,48 @@ mod tests {
             (bounds.size() - DVec3::splat(10.0)).abs().max_element() < 0.2,
             "{bounds:?}"
         );
+    }
+
+    #[test]
+    fn the_grid_does_not_depend_on_the_box() {
+        let on = |bounds: Aabb| Lattice::axis_aligned(&bounds, 0.3).expect("a lattice");
+        let near = on(Aabb::new(DVec3::new(-7.0, 2.0, -0.1), DVec3::new(5.0, 9.0, 0.4)));
+        let far = on(Aabb::new(DVec3::splat(40.0), DVec3::new(77.7, 50.0, 60.0)));
+        assert!(near.shares_grid(&far) && near.first() != far.first());
+        // A face of a cell at a multiple of the spacing; one empty voxel round the box.
+        for lattice in [near, far] {
+            let corner = lattice.world_bounds().min / 0.3;
+            assert!((corner - corner.round()).abs().max_element() < 1e-9, "{corner}");
+        }
+        assert_eq!(near.first().to_array(), [-25, 5, -2]);
+        assert_eq!(near.dims, [43, 26, 5]);
+        assert!(!near.shares_grid(&Lattice::axis_aligned(&near.world_bounds(), 0.31).expect("a lattice")));
+    }
+
+    #[test]
+    fn what_is_far_off_has_a_grid_nearby() {
+        for far in [1e9, 1e12, -1e15] {
+            let bounds = Aabb::new(DVec3::splat(far), DVec3::splat(far + 64.0));
+            let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
+            assert!(lattice.first().abs().max_element() <= 1 << 19, "{:?}", lattice.first());
+            let bounds_error = lattice.world_bounds().min - (far - 1.0);
+            assert!(bounds_error.abs().max_element() < 1e-15 * far.abs(), "{bounds_error}");
+        }
+    }
+
+    #[test]
+    fn only_cells_of_one_of_two_lattices_lie_in_their_difference() {
+        let on = |min, max| Lattice::axis_aligned(&Aabb::new(min, max), 1.0).expect("a lattice");
+        let one = on(DVec3::ZERO, DVec3::splat(9.0));
+        assert!(one.difference(&one).is_empty());
+        let other = on(DVec3::new(-3.0, 0.0, 1.0), DVec3::new(9.0, 12.0, 9.0));
+        let within = |lattice: &Lattice, p: DVec3| lattice.grid_box(&lattice.bounds()).contains(p);
+        let boxes = one.difference(&other);
+        for n in 0..8000 {
+            let p = DVec3::from([n % 20, n / 20 % 20, n / 400].map(|i| f64::from(i) - 5.0));
+            let told = boxes.iter().any(|b| b.contains(p));
+            assert!(told || within(&one, p) == within(&other, p), "{p}");
+        }
+        assert_eq!(boxes.len(), 3);
     }
 }

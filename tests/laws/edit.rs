@@ -315,6 +315,7 @@ impl Sequence {
             let model = self.model(&edited, n);
             let lattice = self.lattice(&model);
             let update = update(&target, &model, lattice);
+            same_pictures(&target, &update).map_err(|what| format!("edit {n}, {:?}: {what}", edit.kind))?;
             voxels = update.voxels(&target, &voxels);
             target = update.target;
             let anew = Target::on_lattice(&model, lattice, &self.subdivision).expect("a small target");
@@ -371,6 +372,18 @@ pub fn same(target: &Target, voxels: &[BlockVoxels], anew: &Target) -> Result<()
     Ok(())
 }
 
+/// Whether all that a picture of a block that is kept can depend on is as it was.
+fn same_pictures(before: &Target, update: &Update) -> Result<(), String> {
+    for (block, kept) in update.target.blocks.iter().zip(&update.kept) {
+        if let Some(kept) = kept.map(|index| &before.blocks[index as usize]) {
+            let was = BlockVoxels::reconstruct(before, kept, Block::REACH);
+            let is = BlockVoxels::reconstruct(&update.target, block, Block::REACH);
+            same_voxels(&was, &is).map_err(|what| format!("{block:?} was kept: {what}"))?;
+        }
+    }
+    Ok(())
+}
+
 fn same_voxels(found: &BlockVoxels, truth: &BlockVoxels) -> Result<(), String> {
     let equal = |a: &[f32], b: &[f32]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_bits(*a, *b));
     let [found_coverage, true_coverage] = [found, truth].map(|v| v.coverage.as_deref().unwrap_or(&[]));
@@ -417,6 +430,31 @@ fn forgetting_what_has_changed_is_seen() {
         ..update
     });
     assert!(forgotten > 20, "{forgotten} of 40");
+}
+
+/// What an edit that moves a face of the lattice does to blocks there is seen, even if their own voxels stay.
+#[test]
+fn keeping_blocks_at_faces_that_have_moved_is_seen() {
+    let cube = |target: &Target, block: &Block| {
+        let first = target.lattice.first().to_array();
+        let origin = [0, 1, 2].map(|a| block.origin[a] as i64 + first[a]);
+        (origin, block.size, block.extent, block.layout)
+    };
+    let careless = seen(|before, update| {
+        let voxels = |target: &Target, block: &Block| BlockVoxels::reconstruct(target, block, 0);
+        let kept = update.target.blocks.iter().map(|block| {
+            let same = |old: &&Block| cube(before, old) == cube(&update.target, block);
+            let old = before.blocks.iter().find(same)?;
+            let alike = same_voxels(&voxels(before, old), &voxels(&update.target, block)).is_ok();
+            let index = before.blocks.iter().position(|b| std::ptr::eq(b, old))?;
+            alike.then_some(index as u32)
+        });
+        Update {
+            kept: kept.collect(),
+            ..update.clone()
+        }
+    });
+    assert!(careless > 20, "{careless} of 40");
 }
 
 #[test]
