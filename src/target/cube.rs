@@ -122,7 +122,6 @@ impl VoxelBox {
 
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
     use proptest::prelude::*;
 
     use super::*;

@@ -238,7 +238,7 @@ fn bounds_that_move_leave_what_they_do_not_touch() {
             let touched = [place, next].map(|place| ball_at(&world_from_index, place));
             let [kept, made] = kept_and_made(&target, &update, &touched);
             println!("{kept} voxels kept, {made} made");
-            assert!(kept > made, "{kept} voxels kept, {made} made");
+            assert!(2 * kept > made, "{kept} voxels kept, {made} made");
             (target, place) = (update.target, next);
         }
     }
@@ -299,7 +299,7 @@ fn a_landmark_that_moves_leaves_the_volume_and_other_tables() {
         let touched = Aabb::new(DVec3::new(70.0, 10.0, 10.0), DVec3::new(100.0, 55.0, 55.0));
         let [kept, made] = kept_and_made(&target, &update, &[touched]);
         println!("{kept} voxels kept, {made} made");
-        assert!(kept > made, "{kept} voxels kept, {made} made");
+        assert!(2 * kept > made, "{kept} voxels kept, {made} made");
         let same_table = |n: u32| std::ptr::eq(target.tree.table(n), update.target.tree.table(n));
         assert!(same_table(0) && !same_table(1));
         target = update.target;
