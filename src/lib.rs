@@ -47,7 +47,7 @@
 //! // Whatever a block leaves out, its voxels are the tree's own samples, bit for bit.
 //! let voxels = VoxelTarget::new(&target);
 //! for at in [[0, 0, 0], [10, 23, 23], [30, 30, 30], [43, 43, 43]] {
-//!     let truth = target.tree.sample(DVec3::from_array(at.map(|n| n as f64)));
+//!     let truth = target.sample(DVec3::from_array(at.map(|n| n as f64)));
 //!     assert_eq!(voxels.sample(at), truth);
 //! }
 //!

@@ -192,10 +192,7 @@ fn bars(name: &str, landmarks: u32, faster: &Ratios, held: &Held) -> [Bar; 2] {
 }
 
 fn target(model: &Model) -> Outcome<Target> {
-    let lattice = Lattice {
-        dims: [SIDE; 3],
-        world_from_lattice: DAffine3::IDENTITY,
-    };
+    let lattice = Lattice::new([SIDE; 3], DAffine3::IDENTITY);
     Ok(Target::on_lattice(model, lattice, &Subdivision::default())?)
 }
 

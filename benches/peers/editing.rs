@@ -6,6 +6,7 @@ use glam::{DAffine3, DVec3, dvec3};
 use serde::Serialize;
 use vcsg::gpu::Device;
 use vcsg::math::{Aabb, Interval, Plane};
+use vcsg::model::deform::{Landmark, Morph, Smoothness, Spline};
 use vcsg::model::{BooleanOp, Family, Model, Node, NodeId, ValueRule, VolumeLeaf};
 use vcsg::projection::{ControlPoint, FrameSpec, TransferFunction};
 use vcsg::render::{PagedTarget, SliceRenderer, soft_normals};
@@ -24,12 +25,21 @@ const MOVE_BAR: f64 = 0.1;
 /// The same for a plane that cuts all.
 const CUT_BAR: f64 = 1.0;
 
+/// The same where a face of the lattice moves, which blocks of 32³ meet, an eighth of all voxels.
+const OUT_BAR: f64 = 0.5;
+
+/// The same where a landmark moves, and a deformation is tabulated anew.
+const LANDMARK_BAR: f64 = 0.5;
+
 /// Where the plane is, millimetres from the middle along each axis.
 const CUT_AT: f64 = 40.0;
 
 /// How far the ball is moved, millimetres.
 const LITTLE: [f64; 3] = [2.0, 1.0, 0.5];
 const FAR: [f64; 3] = [37.0, -53.0, 41.0];
+
+/// And beyond the volume.
+const OUT: [f64; 3] = [7.0, -3.0, 170.0];
 
 /// The most that a new transfer function may cost before its frame is drawn, in frames.
 const TRANSFER_BAR: f64 = 1.0;
@@ -66,6 +76,16 @@ pub fn compare(device: &Arc<Device>, repetitions: usize) -> Outcome<Vec<Comparis
             &moves(&bricks, repetitions, FAR)?,
             MOVE_BAR,
         )?,
+        in_memory(
+            "moved out and back, voxels in memory",
+            &moves(&bricks, repetitions, OUT)?,
+            OUT_BAR,
+        )?,
+        in_memory(
+            "a landmark moved, voxels in memory",
+            &landmarks(&bricks, repetitions)?,
+            LANDMARK_BAR,
+        )?,
         in_memory("cut moved, voxels in memory", &cuts(&bricks, repetitions)?, CUT_BAR)?,
         on_device(
             device,
@@ -101,9 +121,8 @@ fn waves() -> Outcome<Arc<Bricks>> {
     )?)))
 }
 
-/// The volume, cut `at` a distance from its middle; four parts taken from it, four more united with it, and a small ball at `place`:
-/// 20 nodes.
-fn twenty_nodes(bricks: &Arc<Bricks>, at: f64, place: DVec3) -> Outcome<Model> {
+/// The volume, cut `at` a distance from its middle; four parts taken from it, four more united with it, and a small ball: 20 nodes.
+fn twenty_nodes(bricks: &Arc<Bricks>, at: f64, ball: impl FnOnce(&mut Model) -> Outcome<NodeId>) -> Outcome<Model> {
     let mut model = Model::default();
     let window = Interval::ALL;
     let child = model.push(Node::Volume(VolumeLeaf {
@@ -135,39 +154,72 @@ fn twenty_nodes(bricks: &Arc<Bricks>, at: f64, place: DVec3) -> Outcome<Model> {
         child,
         parent_from_child,
     }));
-    let ball = Solid::Sphere {
-        center: place,
-        radius: 5.0,
-    };
-    united.push(model.push(Node::Primitive(Primitive::soft(ball, 200.0))));
+    united.push(ball(&mut model)?);
     model.fold(BooleanOp::Union, ValueRule::Second, minmax, united);
     Ok(model)
+}
+
+fn ball(center: DVec3, radius: f64) -> impl FnOnce(&mut Model) -> Outcome<NodeId> {
+    let solid = Solid::Sphere { center, radius };
+    move |model| Ok(model.push(Node::Primitive(Primitive::soft(solid, 200.0))))
+}
+
+/// A ball that landmarks at the corners of its box deform; one of them goes `by` millimetres.
+fn deformed_ball(by: f64) -> impl FnOnce(&mut Model) -> Outcome<NodeId> {
+    let bounds = Aabb::new(dvec3(70.0, 130.0, 80.0), dvec3(110.0, 170.0, 120.0));
+    move |model| {
+        let child = ball(bounds.center(), 15.0)(model)?;
+        let landmark = |(n, from): (usize, DVec3)| Landmark {
+            name: n.to_string(),
+            from,
+            to: from + if n == 0 { by } else { 0.0 },
+        };
+        let landmarks: Vec<Landmark> = bounds.corners().into_iter().enumerate().map(landmark).collect();
+        let spline = Spline::new(&landmarks, &Smoothness::default())?;
+        Ok(model.push(Node::Deform {
+            child,
+            morph: Arc::new(Morph::new(spline, bounds).map_err(|_| "the ball folds")?),
+            error_voxels: 0.1,
+        }))
+    }
+}
+
+/// The models before and after each of some moves of a landmark.
+fn landmarks(bricks: &Arc<Bricks>, count: usize) -> Outcome<Vec<Model>> {
+    let model = |n: usize| twenty_nodes(bricks, CUT_AT, deformed_ball(3.0 + 0.2 * n as f64));
+    (0..=count).map(model).collect()
 }
 
 /// The models before and after each of some moves: forth and back, so that all are alike.
 fn moves(bricks: &Arc<Bricks>, count: usize, by: [f64; 3]) -> Outcome<Vec<Model>> {
     let start = dvec3(90.0, 150.0, 100.0);
     let place = |n: usize| start + DVec3::from(by) * (n % 2) as f64 + DVec3::splat(n as f64);
-    (0..=count).map(|n| twenty_nodes(bricks, CUT_AT, place(n))).collect()
+    (0..=count)
+        .map(|n| twenty_nodes(bricks, CUT_AT, ball(place(n), 5.0)))
+        .collect()
 }
 
 /// The models before and after each of some moves of the plane.
 fn cuts(bricks: &Arc<Bricks>, count: usize) -> Outcome<Vec<Model>> {
     let at = |n: usize| CUT_AT - n as f64;
     (0..=count)
-        .map(|n| twenty_nodes(bricks, at(n), scene::middle()))
+        .map(|n| twenty_nodes(bricks, at(n), ball(scene::middle(), 5.0)))
         .collect()
 }
 
-fn lattice() -> Lattice {
-    Lattice {
-        dims: [SIDE; 3],
-        world_from_lattice: DAffine3::IDENTITY,
-    }
+/// The volume's, and what of its grid a model needs beyond it.
+fn lattice(model: &Model) -> Outcome<Lattice> {
+    Ok(Lattice::of_model(model, None)?)
 }
 
 fn built(model: &Model) -> Outcome<Target> {
-    Ok(Target::on_lattice(model, lattice(), &Subdivision::default())?)
+    Ok(Target::on_lattice(model, lattice(model)?, &Subdivision::default())?)
+}
+
+/// The target of a model that has no volume, where one would be.
+fn built_alone(model: &Model) -> Outcome<Target> {
+    let lattice = Lattice::new([SIDE; 3], DAffine3::IDENTITY);
+    Ok(Target::on_lattice(model, lattice, &Subdivision::default())?)
 }
 
 fn in_memory(what: &'static str, models: &[Model], limit: f64) -> Outcome<Comparison> {
@@ -183,7 +235,7 @@ fn in_memory(what: &'static str, models: &[Model], limit: f64) -> Outcome<Compar
         let (fresh_target, fresh_voxels) = fresh?;
         anew.push(run);
         let (update, run) = timed(|| -> Outcome<_> {
-            let update = target.updated(model, &target.subdivision)?;
+            let update = target.updated(model, lattice(model)?, &target.subdivision)?;
             let voxels = update.voxels(&target, &voxels);
             Ok((update.target, voxels))
         });
@@ -240,7 +292,7 @@ fn on_device(
         drop(fresh?);
         anew.push(run);
         let (update, run) = timed(|| -> Outcome<_> {
-            let update = target.updated(model, &target.subdivision)?;
+            let update = target.updated(model, lattice(model)?, &target.subdivision)?;
             let normals = soft_normals(&spec(&update.target, &look));
             let pages = pages.updated(device, &target, &update, normals.as_ref(), &mut |_| {})?;
             Ok((update.target, pages))
@@ -253,7 +305,7 @@ fn on_device(
 
 /// What a new transfer function costs before its frame is drawn: a plan of what shows and a table. The target stays.
 fn transfer(device: &Arc<Device>, bricks: &Arc<Bricks>, repetitions: usize) -> Outcome<Comparison> {
-    let target = built(&twenty_nodes(bricks, CUT_AT, scene::middle())?)?;
+    let target = built(&twenty_nodes(bricks, CUT_AT, ball(scene::middle(), 5.0))?)?;
     let normals = soft_normals(&spec(&target, &look(true, 0.1)?));
     let paged = PagedTarget::new(device, &target, normals.as_ref(), &mut |_| {})?;
     let mut renderer = SliceRenderer::new(device)?;
@@ -308,7 +360,7 @@ fn painted_over(other: f32) -> Outcome<Model> {
 /// A subtree that is used twice, and two that differ in their values.
 fn shared(repetitions: usize) -> Outcome<Comparison> {
     let (once, twice) = (painted_over(0.0)?, painted_over(0.5)?);
-    let voxels = |model: &Model| timed(|| built(model).map(|target| VoxelTarget::new(&target).voxels));
+    let voxels = |model: &Model| timed(|| built_alone(model).map(|target| VoxelTarget::new(&target).voxels));
     let (mut shared, mut apart) = (Vec::new(), Vec::new());
     for _ in 0..repetitions {
         for (model, runs) in [(&once, &mut shared), (&twice, &mut apart)] {
@@ -356,9 +408,9 @@ pub fn print_growth() -> Outcome<()> {
         model
     };
     let (edited, grown) = memory::growth(|| -> Outcome<_> {
-        let target = built(&model(0.0))?;
+        let target = built_alone(&model(0.0))?;
         let voxels = VoxelTarget::new(&target).voxels;
-        let update = target.updated(&model(3.0), &target.subdivision)?;
+        let update = target.updated(&model(3.0), target.lattice, &target.subdivision)?;
         Ok(update.voxels(&target, &voxels))
     })?;
     edited?;

@@ -107,10 +107,7 @@ fn compare_one(volume: &str, repetitions: usize) -> Outcome<Comparison> {
 }
 
 fn target(model: &Model) -> Outcome<Target> {
-    let lattice = Lattice {
-        dims: [SIDE; 3],
-        world_from_lattice: DAffine3::IDENTITY,
-    };
+    let lattice = Lattice::new([SIDE; 3], DAffine3::IDENTITY);
     Ok(Target::on_lattice(model, lattice, &Subdivision::default())?)
 }
 

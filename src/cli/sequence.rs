@@ -164,7 +164,7 @@ impl Shared {
     fn update(&self, before: Option<&Target>, scene: &Scene) -> Result<Update, TargetError> {
         let subdivision = scene.target.subdivision();
         let mut update = match before {
-            Some(before) => before.updated(&scene.model, &subdivision)?,
+            Some(before) => before.updated(&scene.model, self.lattice, &subdivision)?,
             None => Update::anew(Target::on_lattice(&scene.model, self.lattice, &subdivision)?),
         };
         update.target.value_range = self.value_range;

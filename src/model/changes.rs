@@ -2,6 +2,7 @@
 //!
 //! *Theory.* A subtree is nothing outside the boxes of its leaves. So where two trees differ by a subtree, they are the same
 //! outside the boxes of its leaves in both; and a union with, or a subtraction of, what is nowhere leaves an operand as it is.
+//! Below a deformation a leaf may be anywhere in the deformed box; where the deformation differs, all leaves below it do.
 //! *Changes from the paper.* VCSG builds a target for one tree. Here trees are compared by what they are made of, whatever was
 //! done to get from one to the other; so undoing an edit is an edit.
 //! *Practice.* Steps in post-order say what the tree is, so subtrees are compared as stretches of steps. Stretches before the

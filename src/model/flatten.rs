@@ -35,7 +35,7 @@ impl Tree {
         Self::graded(model, world_from_lattice, voxel_mm, None)
     }
 
-    /// [`Self::new`] after an edit: what is deformed as it was in `before`, a tree for the same lattice, keeps its table.
+    /// [`Self::new`] after an edit: what is deformed as it was in `before`, a tree for the same frame, keeps its table.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -43,6 +43,7 @@ impl Tree {
         let voxel_mm = affine::spacing(world_from_lattice).max_element();
         let mut tree = Self::outline(model, world_from_lattice, voxel_mm, None)?;
         for warp in &mut tree.warps {
+            // In whichever order deformations come, and whatever they stand in.
             match before.warps.iter().find(|known| known.is_like(warp)) {
                 Some(known) => warp.table = Arc::clone(&known.table),
                 None => warp.tabulate()?,

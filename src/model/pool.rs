@@ -4,6 +4,7 @@
 //! trees can be told apart by looking each part of the one up in the other. A part's key holds the bits of the numbers that
 //! reach samples: 0 and −0 are equal, but not the same.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -52,6 +53,15 @@ impl<T: Keyed> Pool<T> {
     /// For each part of `self` the place of the same one in `other`.
     pub fn places_in(&self, other: &Self) -> Vec<Option<u32>> {
         self.parts.iter().map(|part| other.find(part)).collect()
+    }
+
+    /// For each part of `self` the place in `other` of what it is there, if it is anything.
+    pub fn places_as<'a>(&'a self, other: &Self, there: impl Fn(&'a T) -> Option<Cow<'a, T>>) -> Vec<Option<u32>>
+    where
+        T: Clone,
+    {
+        let place = |part| other.find(there(part)?.as_ref());
+        self.parts.iter().map(place).collect()
     }
 
     /// All parts.

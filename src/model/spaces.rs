@@ -42,10 +42,22 @@ impl Tree {
         Ok(warp.map_or(Ok(()), |warp| warp.place(source))?)
     }
 
-    /// Whether both trees deform in the same way, so that a space is the same in both.
-    pub fn deforms_like(&self, other: &Self) -> bool {
-        let pairs = self.warps.iter().zip(&other.warps);
-        self.warps.len() == other.warps.len() && pairs.into_iter().all(|(a, b)| a.is_like(b))
+    /// For each deformation the one of `other`, a tree in the same frame, that is the same there; none of them is that of two.
+    pub(super) fn warps_in(&self, other: &Self) -> Vec<Option<u32>> {
+        let mut places: Vec<Option<u32>> = Vec::with_capacity(self.warps.len());
+        let mut taken = vec![false; other.warps.len()];
+        for warp in &self.warps {
+            // A deformation comes after those that it stands in.
+            let outer = space_in(&places, warp.outer);
+            let same = |at: &usize| {
+                let known = &other.warps[*at];
+                !taken[*at] && outer == Some(known.outer) && warp.is_like(known)
+            };
+            let place = (0..other.warps.len()).find(same);
+            place.into_iter().for_each(|at| taken[at] = true);
+            places.push(place.map(|at| at as u32));
+        }
+        places
     }
 
     /// How many deformations there are.
@@ -114,6 +126,14 @@ impl Tree {
             beyond: region.beyond || outer.beyond,
             ..region
         }
+    }
+}
+
+/// What a space is in another tree, by what its deformations are there; `None` if its own is none of them.
+pub(super) fn space_in(warps: &[Option<u32>], space: Space) -> Option<Space> {
+    match space {
+        None => Some(None),
+        Some(index) => warps[index as usize].map(Some),
     }
 }
 

@@ -7,12 +7,14 @@
 //! *Practice.* A tree bound to a target's lattice evaluates at voxel indices, so that paths, which step along rows of voxels,
 //! can agree with it bit for bit.
 
+use std::borrow::Cow;
+
 use glam::{DAffine3, DVec3};
 
 use super::bounds::rounded_out;
 use super::deform::{Warp, WarpError};
 use super::pool::Pool;
-use super::spaces::Space;
+use super::spaces::{Space, space_in};
 use super::{Classifier, ColorSample, MaskLeaf, Operator, ValueMap, VolumeLeaf};
 use crate::math::{Aabb, Interval, Plane, affine, linear};
 use crate::volume::Sample;
@@ -146,6 +148,14 @@ impl Leaf {
         }
     }
 
+    /// The same leaf in another space.
+    fn standing_in(&self, space: Space) -> Cow<'_, Self> {
+        if space == self.space {
+            return Cow::Borrowed(self);
+        }
+        Cow::Owned(Self { space, ..self.clone() })
+    }
+
     /// The leaf at `local`, a point of its box in its own frame.
     #[inline]
     pub fn sample_inside(&self, local: DVec3) -> Sample {
@@ -175,12 +185,15 @@ impl VolumeLeaf {
 }
 
 impl Tree {
-    /// For each leaf, map, plane and operator the index of the same one in `other`.
+    /// For each leaf, map, plane, operator and classifier the index of the same one in `other`, a tree in the same frame. What
+    /// is below a deformation is the same only if that is.
     pub(super) fn parts_in(&self, other: &Self) -> [Vec<Option<u32>>; 5] {
+        let warps = self.warps_in(other);
+        let there = |space| space_in(&warps, space);
         [
-            self.leaves.places_in(&other.leaves),
+            (self.leaves).places_as(&other.leaves, |leaf| Some(leaf.standing_in(there(leaf.space)?))),
             self.maps.places_in(&other.maps),
-            self.cuts.places_in(&other.cuts),
+            (self.cuts).places_as(&other.cuts, |&(space, plane)| Some(Cow::Owned((there(space)?, plane)))),
             self.operators.places_in(&other.operators),
             self.classifiers.places_in(&other.classifiers),
         ]

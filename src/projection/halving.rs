@@ -3,11 +3,9 @@
 //! *Practice.* A cube is halved along one axis after another, in whatever order is cheapest, and each part that shows anything is
 //! drawn whole where that is no dearer than its halves. The farther half always comes first, so the boxes are in order.
 
-use glam::DVec3;
-
 use super::DrawCost;
 use crate::math::{Aabb, Viewpoint};
-use crate::target::{Cube, octants_back_to_front};
+use crate::target::{Cube, VoxelBox, octants_back_to_front};
 
 /// A box that is drawn, and the block that holds its voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,10 +19,14 @@ pub struct VisibleBox {
 }
 
 impl VisibleBox {
+    pub(super) fn new(block: u32, VoxelBox { origin, extent }: VoxelBox) -> Self {
+        Self { block, origin, extent }
+    }
+
     /// The box of its cells in lattice coordinates.
     pub fn bounds(&self) -> Aabb {
-        let [origin, extent] = [self.origin, self.extent].map(|n| DVec3::from_array(n.map(|n| n as f64)));
-        Aabb::new(origin - 0.5, origin + extent - 0.5)
+        let Self { origin, extent, .. } = *self;
+        VoxelBox { origin, extent }.bounds()
     }
 }
 
@@ -85,10 +87,10 @@ impl Halving<'_> {
 
     /// Whether all of an octant is drawn, as one box: if that is so of all eight, nothing is gained by drawing them apart.
     fn is_whole(&self, octant: usize) -> bool {
-        let extent = self.cube.octant(octant).extent(self.dims);
+        let voxels = self.cube.octant(octant).voxels(self.dims);
         match self.octants[octant].boxes[..] {
-            [only] => only.extent == extent,
-            _ => extent.contains(&0),
+            [only] => only.extent == voxels.extent,
+            _ => voxels.is_empty(),
         }
     }
 
@@ -140,15 +142,9 @@ impl Halving<'_> {
         (0..8).filter(within).any(shows).then(|| {
             let half = self.cube.size / 2;
             let bit = |bits: usize, a: usize| bits >> a & 1;
-            let origin: [usize; 3] = std::array::from_fn(|a| self.cube.origin[a] + half * bit(part.octant, a));
-            VisibleBox {
-                block: self.block,
-                origin,
-                extent: std::array::from_fn(|a| {
-                    let edge = half * (1 + bit(part.free, a));
-                    edge.min(self.dims[a].saturating_sub(origin[a]))
-                }),
-            }
+            let edges = std::array::from_fn(|a| half * (1 + bit(part.free, a)));
+            let low = self.cube.octant(part.octant).origin;
+            VisibleBox::new(self.block, VoxelBox::clipped(low, edges, self.dims))
         })
     }
 }

@@ -15,7 +15,7 @@ use super::table::TakenEntries;
 use super::{Camera, FrameSpec, Planes, TransferTable, eye_from_lattice};
 use crate::interface::HIDES_ALL_BUT;
 use crate::math::{Aabb, Interval, affine};
-use crate::target::{CELL, CellRanges, Target};
+use crate::target::{CELL, CellRanges, Target, VoxelBox};
 
 /// Cells are taken to reach this far beyond their faces, voxels, and tiles this many pixels: where a device samples is rounded.
 const UNSURE: f64 = 1.0 / 32.0;
@@ -140,6 +140,8 @@ impl Tiles {
 /// The least opacity of a slab in each cell of the lattice.
 struct Opacities {
     dims: [usize; 3],
+    /// Where the first cell begins, in lattice coordinates.
+    begin: DVec3,
     /// The ends of the lattice.
     bounds: [Vec3A; 2],
     least: Vec<f32>,
@@ -148,24 +150,30 @@ struct Opacities {
 impl Opacities {
     fn new(spec: &FrameSpec, cells: &[CellRanges]) -> Self {
         let Target { lattice, blocks, .. } = spec.target;
-        let dims = lattice.dims.map(|n| n.div_ceil(CELL));
-        let mut least = vec![0.0; dims.iter().product()];
+        let whole = VoxelBox {
+            origin: [0; 3],
+            extent: lattice.dims,
+        };
+        let all = CellRanges::empty(lattice, &whole);
+        let mut least = vec![0.0; all.dims.iter().product()];
         let (opacity, bounds) = (LeastOpacity::new(spec), lattice.bounds());
-        for (block, cells) in blocks.iter().zip(cells) {
+        // Of smaller blocks several may lie in one cell; nothing is said of it then.
+        for (_, cells) in blocks.iter().zip(cells).filter(|(block, _)| block.size >= CELL) {
             let known = cells.ranges.par_iter().zip(&cells.covered);
             let of_block: Vec<f32> = known
                 .with_min_len(1 << 12)
                 .map(|(range, covered)| if *covered { opacity.of(*range) } else { 0.0 })
                 .collect();
-            let first = block.origin.map(|n| n / CELL);
+            let first: [usize; 3] = std::array::from_fn(|a| (cells.first[a] - all.first[a]) as usize);
             for (n, row) in of_block.chunks_exact(cells.dims[0]).enumerate() {
                 let (y, z) = (first[1] + n % cells.dims[1], first[2] + n / cells.dims[1]);
-                let to = first[0] + dims[0] * (y + dims[1] * z);
+                let to = first[0] + all.dims[0] * (y + all.dims[1] * z);
                 least[to..to + row.len()].copy_from_slice(row);
             }
         }
         Self {
-            dims,
+            dims: all.dims,
+            begin: all.begin(lattice),
             bounds: [bounds.min, bounds.max].map(|end| end.as_vec3a()),
             least,
         }
@@ -174,8 +182,8 @@ impl Opacities {
     /// The box of a cell, in lattice coordinates.
     fn cell(&self, n: usize) -> Aabb {
         let [x, y, _] = self.dims;
-        let cell = [n % x, n / x % y, n / (x * y)].map(|c| (c * CELL) as f64 - 0.5);
-        let least = DVec3::from_array(cell);
+        let cell = [n % x, n / x % y, n / (x * y)].map(|c| (c * CELL) as f64);
+        let least = self.begin + DVec3::from_array(cell);
         Aabb::new(least, least + CELL as f64)
     }
 
@@ -199,7 +207,8 @@ impl Opacities {
         if least.cmplt(self.bounds[0]).any() || greatest.cmpgt(self.bounds[1]).any() {
             return 0.0;
         }
-        let cell = |p: Vec3A| ((p + 0.5) / CELL as f32).to_array().map(|n| n as usize);
+        let begin = self.begin.as_vec3a();
+        let cell = |p: Vec3A| ((p - begin) / CELL as f32).to_array().map(|n| n as usize);
         let (first, last) = (cell(least), cell(greatest));
         // A point on the lattice's last face lies in its last cell.
         let last: [usize; 3] = std::array::from_fn(|a| last[a].min(self.dims[a] - 1));

@@ -12,7 +12,7 @@ use super::horizon::Horizon;
 use super::table::TakenEntries;
 use super::{Camera, FrameSpec, Planes, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
-use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, octants_back_to_front};
+use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, VoxelBox, octants_back_to_front};
 
 /// The values that are not invisible.
 #[derive(Clone, Debug, PartialEq)]
@@ -191,19 +191,18 @@ impl Visibility<'_> {
     /// What is drawn of `cube`, a part of `block`.
     fn shown(&self, block: u32, cube: Cube, viewpoint: Viewpoint) -> Shown {
         let dims = self.target.lattice.dims;
-        let extent = cube.extent(dims);
-        if extent.contains(&0) {
+        let voxels = cube.voxels(dims);
+        if voxels.is_empty() {
             return Shown::default();
         }
         if cube.size <= self.min_cube.max(CELL) {
-            let hidden = |horizon: &Horizon| horizon.hides(&cube.bounds(extent));
-            if !self.any_cell(block, &cube) || self.horizon.is_some_and(hidden) {
+            let hidden = |horizon: &Horizon| horizon.hides(&voxels.bounds());
+            if !self.any_cell(block, &voxels) || self.horizon.is_some_and(hidden) {
                 return Shown::default();
             }
-            let origin = cube.origin;
             return Shown {
-                boxes: vec![VisibleBox { block, origin, extent }],
-                cost: self.cost.of(extent),
+                boxes: vec![VisibleBox::new(block, voxels)],
+                cost: self.cost.of(voxels.extent),
             };
         }
         let octants = self.octants(block, cube, viewpoint);
@@ -236,13 +235,13 @@ impl Visibility<'_> {
         octants
     }
 
-    fn any_cell(&self, block: u32, cube: &Cube) -> bool {
-        let origin = self.target.blocks[block as usize].origin;
+    /// Whether any cell that meets `voxels` shows.
+    fn any_cell(&self, block: u32, voxels: &VoxelBox) -> bool {
         let cells = &self.cells[block as usize];
-        let first: [usize; 3] = std::array::from_fn(|a| (cube.origin[a] - origin[a]) / CELL);
-        let last: [usize; 3] = std::array::from_fn(|a| (first[a] + cube.size.div_ceil(CELL)).min(cells.dims[a]));
-        (first[2]..last[2]).any(|z| {
-            (first[1]..last[1]).any(|y| (first[0]..last[0]).any(|x| self.values.any_in(cells.range([x, y, z]))))
+        let [x, y, z] = cells.meeting(&self.target.lattice, voxels);
+        z.into_iter().any(|z| {
+            let mut rows = y.clone();
+            rows.any(|y| x.clone().any(|x| self.values.any_in(cells.range([x, y, z]))))
         })
     }
 }

@@ -216,7 +216,9 @@ impl PagedTarget {
 
 fn empty_cells(target: &Target) -> Vec<CellRanges> {
     let blocks = target.blocks.iter();
-    blocks.map(CellRanges::empty).collect()
+    blocks
+        .map(|block| CellRanges::empty(&target.lattice, &block.voxels()))
+        .collect()
 }
 
 fn batch_len(pieces: &[Piece]) -> usize {

@@ -5,9 +5,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::texels::{self, NormalRows, Rows};
-use crate::math::Interval;
 use crate::projection::SoftNormals;
-use crate::target::{Block, BlockVoxels, CELL, CellRanges, Layout, Target};
+use crate::target::{Block, BlockVoxels, CELL, CellRanges, Lattice, Layout, Target};
 
 /// Voxels of a piece, about: large blocks are cut into slabs of this size.
 const PIECE_VOXELS: usize = 1 << 20;
@@ -37,11 +36,12 @@ pub struct PieceTexels {
 
 /// All pieces of some of a target's blocks, in order.
 pub fn pieces(target: &Target, blocks: &[usize]) -> Vec<Piece> {
-    let cut = |&index: &usize| cut(index, &target.blocks[index]);
+    let cut = |&index: &usize| cut(&target.lattice, index, &target.blocks[index]);
     blocks.iter().flat_map(cut).collect()
 }
 
-fn cut(index: usize, block: &Block) -> Vec<Piece> {
+/// The pieces of a block. All but the first begin with a cell.
+fn cut(lattice: &Lattice, index: usize, block: &Block) -> Vec<Piece> {
     if block.layout == Layout::Uniform {
         return vec![Piece {
             index,
@@ -53,9 +53,11 @@ fn cut(index: usize, block: &Block) -> Vec<Piece> {
     let plane = block.extent[0] * block.extent[1];
     let thickness = (PIECE_VOXELS / plane).next_multiple_of(CELL).max(CELL);
     let depth = block.extent[2];
-    (0..depth)
-        .step_by(thickness)
-        .map(|z| piece(index, block, z..(z + thickness).min(depth)))
+    let before = (lattice.first().z + block.origin[2] as i64).rem_euclid(CELL as i64) as usize;
+    let begin = |n: usize| (n * thickness).saturating_sub(before);
+    (0..)
+        .take_while(|n| begin(*n) < depth)
+        .map(|n| piece(index, block, begin(n)..begin(n + 1).min(depth)))
         .collect()
 }
 
@@ -100,7 +102,7 @@ pub fn fill(target: &Target, pieces: &[Piece], normals: Option<&SoftNormals>) ->
 fn fill_one(target: &Target, piece: &Piece, normals: Option<&SoftNormals>) -> PieceTexels {
     let slab = &piece.slab;
     if slab.layout == Layout::Uniform {
-        return uniform(slab, target.value_range, normals.is_some());
+        return uniform(target, slab, normals.is_some());
     }
     let Some(soft) = normals else {
         let voxels = BlockVoxels::reconstruct(target, slab, Block::APRON);
@@ -112,7 +114,7 @@ fn fill_one(target: &Target, piece: &Piece, normals: Option<&SoftNormals>) -> Pi
                 None => rows.values(planes),
             },
             normals: Vec::new(),
-            cells: CellRanges::new(slab, &voxels),
+            cells: CellRanges::new(&target.lattice, slab, &voxels),
         };
     };
     let voxels = BlockVoxels::reconstruct(target, slab, Block::REACH);
@@ -130,15 +132,15 @@ fn fill_one(target: &Target, piece: &Piece, normals: Option<&SoftNormals>) -> Pi
     PieceTexels {
         values,
         normals,
-        cells: CellRanges::new(slab, &voxels),
+        cells: CellRanges::new(&target.lattice, slab, &voxels),
     }
 }
 
-fn uniform(block: &Block, range: Interval, lit: bool) -> PieceTexels {
+fn uniform(target: &Target, block: &Block, lit: bool) -> PieceTexels {
     const TEXELS: usize = UNIFORM_EDGE * UNIFORM_EDGE * UNIFORM_EDGE;
     PieceTexels {
-        values: texels::uniform(range, block.range.value.lo, lit, TEXELS),
+        values: texels::uniform(target.value_range, block.range.value.lo, lit, TEXELS),
         normals: Vec::new(),
-        cells: CellRanges::uniform(block),
+        cells: CellRanges::uniform(&target.lattice, block),
     }
 }

@@ -86,14 +86,15 @@ impl TargetOptions {
         Ok((lattice, lattice.value_range(model)?))
     }
 
-    /// The target of `model`, made from the one before an edit: where both have one lattice, only what the edit touches is made anew. A
-    /// lattice that was coarsened is looked for again.
+    /// The target of `model`, made from the one before an edit: where both lattices are on one grid, only what the edit touches is made
+    /// anew. A lattice that was coarsened is looked for again.
     ///
     /// # Errors
     /// As [`Self::build`].
     pub fn update(&self, before: &Target, model: &Model) -> Result<Update, TargetError> {
-        if Lattice::of_model(model, self.spacing_mm)? == before.lattice {
-            match before.updated(model, &self.subdivision()) {
+        let lattice = Lattice::of_model(model, self.spacing_mm)?;
+        if lattice.shares_grid(&before.lattice) {
+            match before.updated(model, lattice, &self.subdivision()) {
                 Err(TargetError::OverBudget { .. }) if self.coarsen => {}
                 result => return result,
             }

@@ -108,7 +108,7 @@ impl<'a> Window<'a> {
 /// Writes the covered samples of slice `k` of the lattice to their places in the widened one.
 fn fill_slice(target: &Target, k: usize, voxels: &mut [f32]) {
     let width = target.lattice.dims[0] + 2 * MARGIN;
-    let mut rows = RowEvaluator::new(&target.tree);
+    let mut rows = RowEvaluator::new(target);
     let mut coverage = vec![0.0; width];
     let crosses = |origin: usize, extent: usize| (origin..origin + extent).contains(&k);
     for block in target.blocks.iter().filter(|b| crosses(b.origin[2], b.extent[2])) {
@@ -166,7 +166,7 @@ impl End {
     /// Halves an edge of which one end lies in the solid.
     fn of_solid(target: &Target, level: &Level, loose: &Loose) -> Self {
         let solid = |p: DVec3| {
-            let sample = target.tree.sample(p);
+            let sample = target.sample(p);
             sample.coverage >= COVERED && f64::from(sample.value) >= level.iso()
         };
         let lower = DVec3::from_array(level.index(loose.voxel));
@@ -182,7 +182,7 @@ impl End {
         }
         Self {
             index: 0.5 * (within + beyond),
-            value: target.tree.sample(within).value,
+            value: target.sample(within).value,
         }
     }
 }

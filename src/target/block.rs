@@ -1,8 +1,8 @@
 //! A target block: a cube of the lattice with its own path.
 
+use super::VoxelBox;
 use crate::math::Aabb;
 use crate::volume::SampleRange;
-use glam::DVec3;
 
 /// What a block's voxels need to store (design §3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -18,7 +18,7 @@ pub enum Layout {
 /// A leaf of the target octree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
-    /// First voxel.
+    /// Its first voxel that lies in the lattice.
     pub origin: [usize; 3],
     /// Edge of the octree cube, a power of two.
     pub size: usize,
@@ -52,10 +52,16 @@ impl Block {
         self.stored_dims().iter().product()
     }
 
+    /// Its voxels.
+    pub fn voxels(&self) -> VoxelBox {
+        VoxelBox {
+            origin: self.origin,
+            extent: self.extent,
+        }
+    }
+
     /// The box of its voxels' cells, in lattice coordinates.
     pub fn bounds(&self) -> Aabb {
-        let origin = DVec3::from_array(self.origin.map(|o| o as f64));
-        let extent = DVec3::from_array(self.extent.map(|n| n as f64));
-        Aabb::new(origin - 0.5, origin + extent - 0.5)
+        self.voxels().bounds()
     }
 }

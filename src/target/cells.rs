@@ -3,12 +3,15 @@
 //! *Changes from the paper.* VCSG draws every block that the tree reaches. Here the conservative ranges prune too (design
 //! §4): parts of a block that the transfer function makes invisible are not drawn, nor are those that others hide. Blocks stay as
 //! large as their paths allow; only what is drawn of them is cut down.
-//! *Practice.* Ranges are made axis after axis: of rows, then of planes, then along a row. Rows are long, so most of it is done for
+//! *Practice.* Cells lie at multiples of their edge on the lattice's grid, as cubes do, and so may be cut by the lattice. Ranges are made axis after axis: of rows, then of planes, then along a row. Rows are long, so most of it is done for
 //! many voxels side by side.
 
+use std::ops::Range;
+
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Block, BlockVoxels};
+use super::{Block, BlockVoxels, Lattice, VoxelBox};
 use crate::math::Interval;
 
 /// Edge of a cell in voxels.
@@ -17,6 +20,8 @@ pub const CELL: usize = 4;
 /// What a picture of each cell depends on: its own voxels and one more on each side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellRanges {
+    /// The first cell's place among those of the grid.
+    pub first: [i64; 3],
     /// Cells along each axis.
     pub dims: [usize; 3],
     /// The covered values of each cell, x fastest; empty where nothing is.
@@ -27,31 +32,61 @@ pub struct CellRanges {
 
 impl CellRanges {
     /// The cells of a reconstructed block with at least one voxel of apron.
-    pub fn new(block: &Block, voxels: &BlockVoxels) -> Self {
-        let mut cells = Self::empty(block);
-        let layers: Vec<Self> = (0..cells.dims[2])
-            .into_par_iter()
-            .map(|z| layer(block, voxels, z))
-            .collect();
+    pub fn new(lattice: &Lattice, block: &Block, voxels: &BlockVoxels) -> Self {
+        let mut cells = Self::empty(lattice, &block.voxels());
+        let parts = [0, 1, 2].map(|axis| cells.voxels_along(axis, lattice, block));
+        let [x, y, z] = parts.map(|parts| parts.map(|part| with_neighbours(part, voxels)).collect::<Vec<_>>());
+        let layers: Vec<Self> = z.into_par_iter().map(|z| layer(voxels, [&x, &y], z)).collect();
         layers.iter().for_each(|layer| cells.append(layer));
         cells
     }
 
-    /// The cells of a block before any range is known: they are to be [appended](Self::append), slab by slab.
-    pub fn empty(block: &Block) -> Self {
+    /// The cells of some voxels before any range is known: they are to be [appended](Self::append), slab by slab.
+    pub fn empty(lattice: &Lattice, voxels: &VoxelBox) -> Self {
+        let [first, dims] = on_grid(lattice, voxels);
         Self {
-            dims: block.extent.map(|n| n.div_ceil(CELL)),
+            first,
+            dims: dims.map(|n| n as usize),
             ..Self::default()
         }
     }
 
     /// One range for all cells of a block that stores one value.
-    pub fn uniform(block: &Block) -> Self {
-        let mut cells = Self::empty(block);
+    pub fn uniform(lattice: &Lattice, block: &Block) -> Self {
+        let mut cells = Self::empty(lattice, &block.voxels());
         let count = cells.dims.iter().product();
         cells.ranges = vec![block.range.value; count];
         cells.covered = vec![true; count];
         cells
+    }
+
+    /// The corner from which the cells go on, in lattice coordinates.
+    pub fn begin(&self, lattice: &Lattice) -> DVec3 {
+        let voxel = |a: usize| self.first[a] * CELL as i64 - lattice.first()[a];
+        DVec3::from_array([0, 1, 2].map(|a| voxel(a) as f64)) - 0.5
+    }
+
+    /// The cells along each axis that some voxels of the block lie in.
+    pub fn meeting(&self, lattice: &Lattice, voxels: &VoxelBox) -> [Range<usize>; 3] {
+        let [first, dims] = on_grid(lattice, voxels);
+        std::array::from_fn(|a| {
+            let begin = (first[a] - self.first[a]) as usize;
+            begin..begin + dims[a] as usize
+        })
+    }
+
+    /// The voxels of the block in each cell along an axis.
+    fn voxels_along<'a>(
+        &self,
+        axis: usize,
+        lattice: &Lattice,
+        block: &'a Block,
+    ) -> impl Iterator<Item = Range<usize>> + use<'a> {
+        let begin = self.first[axis] * CELL as i64 - lattice.first()[axis] - block.origin[axis] as i64;
+        let extent = block.extent[axis] as i64;
+        let within = move |at: i64| at.clamp(0, extent) as usize;
+        let begins = (0..self.dims[axis] as i64).map(move |n| begin + n * CELL as i64);
+        begins.map(move |begin| within(begin)..within(begin + CELL as i64))
     }
 
     /// Adds the cells of the slab that follows.
@@ -71,31 +106,40 @@ impl CellRanges {
     }
 }
 
-/// The cells whose place along z is `z`.
-fn layer(block: &Block, voxels: &BlockVoxels, z: usize) -> CellRanges {
+/// The cells of the grid that some voxels lie in: the first, and how many along each axis.
+fn on_grid(lattice: &Lattice, voxels: &VoxelBox) -> [[i64; 3]; 2] {
+    let ends = |a: usize| {
+        let begin = lattice.first()[a] + voxels.origin[a] as i64;
+        [begin, begin + voxels.extent[a] as i64 - 1].map(|n| n.div_euclid(CELL as i64))
+    };
+    let ends = [ends(0), ends(1), ends(2)];
+    [ends.map(|[first, _]| first), ends.map(|[first, last]| last - first + 1)]
+}
+
+/// Some voxels of a block along an axis and one more on each side, apron counted.
+fn with_neighbours(part: Range<usize>, voxels: &BlockVoxels) -> Range<usize> {
+    let before = voxels.apron - 1;
+    part.start + before..part.end + before + 2
+}
+
+/// The cells in planes `z`, which along x and y have these voxels.
+fn layer(voxels: &BlockVoxels, [x, y]: [&[Range<usize>]; 2], z: Range<usize>) -> CellRanges {
     let mut cells = CellRanges::default();
     let mut ends = Ends::new(voxels.dims[0]);
-    for y in 0..block.extent[1].div_ceil(CELL) {
+    for rows in y {
         ends.clear();
-        for k in voxels_of(block, voxels, 2, z) {
-            for j in voxels_of(block, voxels, 1, y) {
+        for k in z.clone() {
+            for j in rows.clone() {
                 ends.add(voxels, voxels.dims[0] * (j + voxels.dims[1] * k));
             }
         }
-        for x in 0..block.extent[0].div_ceil(CELL) {
-            let (range, covered) = ends.of(voxels_of(block, voxels, 0, x));
+        for columns in x {
+            let (range, covered) = ends.of(columns.clone());
             cells.ranges.push(range);
             cells.covered.push(covered);
         }
     }
     cells
-}
-
-/// The voxels, apron counted, that cell `cell` depends on along an axis.
-fn voxels_of(block: &Block, voxels: &BlockVoxels, axis: usize, cell: usize) -> std::ops::Range<usize> {
-    let before = voxels.apron - 1;
-    let end = (cell * CELL + CELL).min(block.extent[axis]);
-    cell * CELL + before..end + before + 2
 }
 
 /// The least and the greatest of several rows, voxel by voxel.
@@ -143,7 +187,7 @@ impl Ends {
     }
 
     /// The range of some voxels, and whether they are covered.
-    fn of(&self, part: std::ops::Range<usize>) -> (Interval, bool) {
+    fn of(&self, part: Range<usize>) -> (Interval, bool) {
         let lo = self.lo[part.clone()].iter().copied().fold(f32::INFINITY, f32::min);
         let hi = self.hi[part.clone()].iter().copied().fold(f32::NEG_INFINITY, f32::max);
         (Interval { lo, hi }, self.covered[part].iter().all(|covered| *covered))

@@ -4,20 +4,27 @@
 //! interpolated; any other model gets an axis-aligned lattice in the world at the finest leaf's spacing. The lattice fills
 //! the model's box. Beyond its outermost voxels the target is constant, so a face that is not a volume's own gets one more
 //! layer of voxels, which is empty.
+//!
+//! A lattice is a box of an endless grid, which depends on the spacing and the axes and not on what the box holds: the volume's
+//! own, or one whose cells' faces lie at multiples of the spacing in the world. Samples are computed at points of the grid. So a
+//! voxel of two lattices on one grid has the same bits in both.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, I64Vec3};
 
-use super::TargetError;
+use super::{Block, TargetError};
 use crate::math::{Aabb, Interval, affine};
 use crate::model::{Model, Source, Tree};
 
-/// A regular lattice in the world; voxel `(i, j, k)` has its centre at lattice point `(i, j, k)`.
+/// A regular lattice in the world; voxel `(i, j, k)` has its centre at lattice point `(i, j, k)`. It is a box of a grid, in which
+/// models are flattened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Voxels along each axis, at least 1.
     pub dims: [usize; 3],
-    /// From lattice coordinates to world millimetres.
+    /// From lattice coordinates to world millimetres; the grid's map and the place of voxel 0 in one.
     pub world_from_lattice: DAffine3,
+    world_from_grid: DAffine3,
+    first: I64Vec3,
 }
 
 /// Why a model has no lattice.
@@ -55,6 +62,39 @@ impl Lattice {
 
     /// A volume's lattice serves a whole scene only while its spacings differ by no more than this.
     const MAX_ANISOTROPY: f64 = 2.5;
+
+    /// A grid has its point 0 at a multiple of this many points from that of its axes, where a lattice begins near to it: 0 but
+    /// for scenes that are far off, whose points would else be too large to be exact.
+    const ANCHORS: f64 = (1 << 20) as f64;
+
+    /// The lattice placed by `world_from_lattice`, on the grid that has its point 0 in voxel 0.
+    pub fn new(dims: [usize; 3], world_from_lattice: DAffine3) -> Self {
+        Self {
+            dims,
+            world_from_lattice,
+            world_from_grid: world_from_lattice,
+            first: I64Vec3::ZERO,
+        }
+    }
+
+    /// The lattice that begins at `first`, a point of whole numbers on the axes of `world_from_axes`.
+    fn on_axes(world_from_axes: &DAffine3, first: DVec3, dims: [usize; 3]) -> Self {
+        // Nought is added to make −0, which depends on where the lattice begins, 0.
+        let anchor = (first / Self::ANCHORS).round() * Self::ANCHORS + 0.0;
+        let grid = Self::new(dims, world_from_axes * DAffine3::from_translation(anchor));
+        grid.moved((first - anchor).as_i64vec3(), dims)
+    }
+
+    /// A lattice on the same grid, from point `first` of this one on.
+    fn moved(&self, first: I64Vec3, dims: [usize; 3]) -> Self {
+        let first = self.first + first;
+        Self {
+            dims,
+            first,
+            world_from_lattice: self.world_from_grid * DAffine3::from_translation(first.as_dvec3()),
+            ..*self
+        }
+    }
 
     /// The lattice of a model: axis-aligned at `spacing_mm` when that is given, else as the module head says. It holds what
     /// soft surfaces add to a model when they are sampled on it.
@@ -98,7 +138,8 @@ impl Lattice {
         }
     }
 
-    /// An axis-aligned lattice of isotropic spacing over `bounds` and one voxel round it.
+    /// An axis-aligned lattice of isotropic spacing over `bounds` and one voxel round them. Faces of its cells lie at multiples of
+    /// the spacing.
     ///
     /// # Errors
     /// If the spacing is not above 0 or gives too many voxels.
@@ -106,20 +147,19 @@ impl Lattice {
         if !(spacing_mm.is_finite() && spacing_mm > 0.0) {
             return Err(LatticeError::Spacing(spacing_mm));
         }
-        let cells = (bounds.size() / spacing_mm - 1e-6).ceil().max(DVec3::ONE);
-        let voxels = cells.max_element() + 2.0;
-        if voxels > Self::MAX_DIM as f64 {
+        let low = (bounds.min / spacing_mm + 1e-6).floor();
+        let cells = ((bounds.max / spacing_mm - 1e-6).ceil() - low).max(DVec3::ONE);
+        let voxels = (bounds.size() / spacing_mm).max_element().max(cells.max_element()) + 2.0;
+        if voxels > Self::MAX_DIM as f64 || !low.is_finite() {
             return Err(LatticeError::TooFine { voxels, spacing_mm });
         }
-        // The cells are centred on the box; voxel 0 is the layer before them.
-        let first = bounds.center() - (cells + 1.0) * (0.5 * spacing_mm);
-        Ok(Self {
-            dims: cells.to_array().map(|n| n as usize + 2),
-            world_from_lattice: DAffine3 {
-                matrix3: glam::DMat3::from_diagonal(DVec3::splat(spacing_mm)),
-                translation: first,
-            },
-        })
+        let world_from_axes = DAffine3 {
+            matrix3: glam::DMat3::from_diagonal(DVec3::splat(spacing_mm)),
+            translation: DVec3::splat(0.5 * spacing_mm),
+        };
+        // Voxel 0 is the layer before the box.
+        let dims = cells.to_array().map(|n| n as usize + 2);
+        Ok(Self::on_axes(&world_from_axes, low - 1.0, dims))
     }
 
     /// A range that holds every value of `model` on the lattice.
@@ -127,8 +167,61 @@ impl Lattice {
     /// # Errors
     /// If the model cannot be flattened.
     pub fn value_range(&self, model: &Model) -> Result<Interval, TargetError> {
-        let tree = Tree::new(model, &self.world_from_lattice)?;
+        let tree = Tree::new(model, &self.world_from_grid)?;
         Ok(super::octree::value_range(&tree, self))
+    }
+
+    /// From coordinates of the grid, which models are flattened in, to world millimetres.
+    pub fn world_from_grid(&self) -> &DAffine3 {
+        &self.world_from_grid
+    }
+
+    /// Voxel 0 as a point of the grid.
+    pub fn first(&self) -> I64Vec3 {
+        self.first
+    }
+
+    /// The grid's point at point `p` of the lattice.
+    pub fn grid_point(&self, p: DVec3) -> DVec3 {
+        p + self.first.as_dvec3()
+    }
+
+    /// The grid's box at a box of the lattice.
+    pub fn grid_box(&self, bounds: &Aabb) -> Aabb {
+        Aabb::new(self.grid_point(bounds.min), self.grid_point(bounds.max))
+    }
+
+    /// Whether a voxel that both have lies at the same point of the same grid.
+    pub fn shares_grid(&self, other: &Self) -> bool {
+        self.world_from_grid == other.world_from_grid
+    }
+
+    /// The voxel centres that a picture of `cells` (lattice coordinates) can depend on, as a box of the grid.
+    pub(super) fn reach(&self, cells: &Aabb) -> Aabb {
+        self.grid_box(&Self::beyond(cells).intersect(&self.centres()))
+    }
+
+    /// [`Self::reach`] as if the lattice had no end.
+    pub(super) fn endless_reach(&self, cells: &Aabb) -> Aabb {
+        self.grid_box(&Self::beyond(cells))
+    }
+
+    fn beyond(cells: &Aabb) -> Aabb {
+        // From cell faces to voxel centres is half a voxel inwards.
+        cells.expand(DVec3::splat(Block::REACH as f64 - 0.5))
+    }
+
+    /// Boxes of the grid that hold all cells of one of two lattices on one grid that are not of the other.
+    pub(super) fn difference(&self, other: &Self) -> Vec<Aabb> {
+        let [ours, theirs] = [self, other].map(|lattice| lattice.grid_box(&lattice.bounds()));
+        let slab = |axis: usize, [a, b]: [DVec3; 2]| {
+            let mut slab = Aabb::ALL;
+            (slab.min[axis], slab.max[axis]) = (a[axis].min(b[axis]), a[axis].max(b[axis]));
+            (a[axis] != b[axis]).then_some(slab)
+        };
+        let sides = [[ours.min, theirs.min], [ours.max, theirs.max]];
+        let slabs = (0..3).flat_map(|axis| sides.map(|faces| slab(axis, faces)));
+        slabs.flatten().collect()
     }
 
     /// The box of all voxels' cells, in lattice coordinates.
@@ -160,10 +253,8 @@ impl Lattice {
             return None;
         }
         let (first, last) = (inside.min.floor(), inside.max.ceil());
-        Some(Self {
-            dims: (last - first + 1.0).to_array().map(|n| n as usize),
-            world_from_lattice: self.world_from_lattice * DAffine3::from_translation(first),
-        })
+        let dims = (last - first + 1.0).to_array().map(|n| n as usize);
+        Some(self.moved(first.as_i64vec3(), dims))
     }
 
     /// Voxels in all.
@@ -225,10 +316,7 @@ impl VolumeLattice {
             }
             dims[axis] = voxels.max(1.0) as usize;
         }
-        Ok(Lattice {
-            dims,
-            world_from_lattice: self.world_from_index * DAffine3::from_translation(first),
-        })
+        Ok(Lattice::on_axes(&self.world_from_index, first, dims))
     }
 
     /// Whether the wanted box stays within the volume's on `axis`, but for rounding and the slack of a moved box.
@@ -356,5 +444,48 @@ mod tests {
             (bounds.size() - DVec3::splat(10.0)).abs().max_element() < 0.2,
             "{bounds:?}"
         );
+    }
+
+    #[test]
+    fn the_grid_does_not_depend_on_the_box() {
+        let on = |bounds: Aabb| Lattice::axis_aligned(&bounds, 0.3).expect("a lattice");
+        let near = on(Aabb::new(DVec3::new(-7.0, 2.0, -0.1), DVec3::new(5.0, 9.0, 0.4)));
+        let far = on(Aabb::new(DVec3::splat(40.0), DVec3::new(77.7, 50.0, 60.0)));
+        assert!(near.shares_grid(&far) && near.first() != far.first());
+        // A face of a cell at a multiple of the spacing; one empty voxel round the box.
+        for lattice in [near, far] {
+            let corner = lattice.world_bounds().min / 0.3;
+            assert!((corner - corner.round()).abs().max_element() < 1e-9, "{corner}");
+        }
+        assert_eq!(near.first().to_array(), [-25, 5, -2]);
+        assert_eq!(near.dims, [43, 26, 5]);
+        assert!(!near.shares_grid(&Lattice::axis_aligned(&near.world_bounds(), 0.31).expect("a lattice")));
+    }
+
+    #[test]
+    fn what_is_far_off_has_a_grid_nearby() {
+        for far in [1e9, 1e12, -1e15] {
+            let bounds = Aabb::new(DVec3::splat(far), DVec3::splat(far + 64.0));
+            let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
+            assert!(lattice.first().abs().max_element() <= 1 << 19, "{:?}", lattice.first());
+            let bounds_error = lattice.world_bounds().min - (far - 1.0);
+            assert!(bounds_error.abs().max_element() < 1e-15 * far.abs(), "{bounds_error}");
+        }
+    }
+
+    #[test]
+    fn only_cells_of_one_of_two_lattices_lie_in_their_difference() {
+        let on = |min, max| Lattice::axis_aligned(&Aabb::new(min, max), 1.0).expect("a lattice");
+        let one = on(DVec3::ZERO, DVec3::splat(9.0));
+        assert!(one.difference(&one).is_empty());
+        let other = on(DVec3::new(-3.0, 0.0, 1.0), DVec3::new(9.0, 12.0, 9.0));
+        let within = |lattice: &Lattice, p: DVec3| lattice.grid_box(&lattice.bounds()).contains(p);
+        let boxes = one.difference(&other);
+        for n in 0..8000 {
+            let p = DVec3::from([n % 20, n / 20 % 20, n / 400].map(|i| f64::from(i) - 5.0));
+            let told = boxes.iter().any(|b| b.contains(p));
+            assert!(told || within(&one, p) == within(&other, p), "{p}");
+        }
+        assert_eq!(boxes.len(), 3);
     }
 }

@@ -54,7 +54,7 @@ impl<'a> Levels<'a> {
         };
         for level in 0..levels.count {
             let lattice = levels.lattice(level, &levels.in_world(level, None)?)?;
-            let tree = Tree::new(model, &lattice.world_from_lattice)?;
+            let tree = Tree::new(model, lattice.world_from_grid())?;
             levels.bounds = levels.bounds.hull(&lattice.world_bounds());
             levels.value_range = levels.value_range.hull(value_range(&tree, &lattice));
         }
@@ -97,8 +97,8 @@ impl<'a> Levels<'a> {
         let Some(part) = lattice.part(&kept.bounds_in(&lattice.world_from_lattice)) else {
             return Ok(None);
         };
-        let tree = Tree::graded(self.model, &part.world_from_lattice, voxel_mm, grade)?;
-        let tree = tree.cut_by(planes, &part.world_from_lattice);
+        let tree = Tree::graded(self.model, part.world_from_grid(), voxel_mm, grade)?;
+        let tree = tree.cut_by(planes, part.world_from_grid());
         let target = Target::of_tree(tree, part, subdivision)?;
         Ok(Some(Target {
             value_range: self.value_range,

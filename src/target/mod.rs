@@ -2,6 +2,7 @@
 
 mod block;
 mod cells;
+mod cube;
 mod lattice;
 mod levels;
 mod octree;
@@ -13,10 +14,11 @@ mod voxels;
 
 pub use block::{Block, Layout};
 pub use cells::{CELL, CellRanges};
+pub use cube::{Cube, VoxelBox};
 pub use lattice::{Lattice, LatticeError};
 pub use levels::Levels;
 pub use octree::{Octree, OctreeNode, Subdivision, Target, TargetError};
-pub use order::{Cube, octants_back_to_front};
+pub use order::octants_back_to_front;
 pub use reconstruct::RowEvaluator;
 pub use update::Update;
 pub use voxels::{BlockVoxels, VoxelTarget};

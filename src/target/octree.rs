@@ -5,6 +5,7 @@
 //! *Changes from the paper.* Blocks are also split where their coverage is not known to be one number, so that what a value
 //! window leaves empty is skipped. Eight parts that turn out alike are one block again: neighbours with one path draw as one.
 //! Blocks are no larger than a texture can be.
+//! Cubes lie on the lattice's grid and not where the lattice begins, so that another lattice on the grid has the same ones.
 //! *Practice.* The octants of large nodes are tested in parallel; the result does not depend on it.
 
 use std::collections::HashMap;
@@ -14,10 +15,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::update::Before;
-use super::{Block, Cube, Lattice, Layout};
-use crate::math::{Aabb, Interval};
+use super::{Block, Cube, Lattice, Layout, VoxelBox};
+use crate::math::Interval;
 use crate::model::{Boundary, Model, Pruned, Step, Tree};
-use crate::volume::SampleRange;
+use crate::volume::{Sample, SampleRange};
 
 /// How the target is subdivided.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +58,7 @@ pub enum OctreeNode {
 /// The target octree; node 0 is the root.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Octree {
-    /// The cube of the root, which holds the lattice.
+    /// The cube of the root, which holds the lattice, and is cut by it on any side.
     pub root: Cube,
     /// All nodes.
     pub nodes: Vec<OctreeNode>,
@@ -68,7 +69,7 @@ pub struct Octree {
 pub struct Target {
     /// Where voxels are.
     pub lattice: Lattice,
-    /// The model, flattened in lattice coordinates.
+    /// The model, flattened in coordinates of the lattice's grid.
     pub tree: Tree,
     /// The subdivision.
     pub octree: Octree,
@@ -156,11 +157,11 @@ impl Target {
     /// # Errors
     /// If the model cannot be flattened, or its blocks exceed the budget.
     pub fn on_lattice(model: &Model, lattice: Lattice, subdivision: &Subdivision) -> Result<Self, TargetError> {
-        let tree = Tree::new(model, &lattice.world_from_lattice)?;
+        let tree = Tree::new(model, lattice.world_from_grid())?;
         Self::of_tree(tree, lattice, subdivision)
     }
 
-    /// Samples a tree that is flattened in coordinates of `lattice`.
+    /// Samples a tree that is flattened in coordinates of the grid of `lattice`.
     ///
     /// # Errors
     /// If its blocks exceed the budget.
@@ -175,11 +176,7 @@ impl Target {
         subdivision: &Subdivision,
         before: Before,
     ) -> Result<Self, TargetError> {
-        let longest = lattice.dims.iter().copied().max().unwrap_or(1);
-        let root = Cube {
-            origin: [0; 3],
-            size: longest.next_power_of_two().max(subdivision.min_block),
-        };
+        let root = Cube::around(&lattice, subdivision.min_block);
         let splitter = Splitter {
             tree: &tree,
             lattice: &lattice,
@@ -206,6 +203,11 @@ impl Target {
         })
     }
 
+    /// The model at point `p` of the lattice: the truth. The value of a colour is its opacity.
+    pub fn sample(&self, p: DVec3) -> Sample {
+        self.tree.sample(self.lattice.grid_point(p))
+    }
+
     /// The steps of a block's path.
     pub fn path(&self, block: &Block) -> &[Step] {
         &self.paths[block.path as usize]
@@ -219,7 +221,8 @@ pub(super) fn value_range(tree: &Tree, lattice: &Lattice) -> Interval {
         // Opacities are fractions already.
         return Interval::new(0.0, 1.0);
     }
-    tree.prune(tree.steps(), &lattice.centres(), None).range.value
+    let centres = lattice.grid_box(&lattice.centres());
+    tree.prune(tree.steps(), &centres, None).range.value
 }
 
 /// A subtree of the octree while it is built.
@@ -252,22 +255,22 @@ impl Splitter<'_> {
     const PARALLEL: usize = 128;
 
     fn split(&self, cube: Cube, path: &[Step], before: &Before) -> Subtree {
-        let extent = cube.extent(self.lattice.dims);
-        if extent.contains(&0) {
+        let voxels = cube.voxels(self.lattice.dims);
+        if voxels.is_empty() {
             return Subtree::Beyond;
         }
         if self.hopeless() {
             return Subtree::Empty;
         }
-        let reach = self.reach(&cube, extent);
-        let before = before.within(&reach);
+        let cells = voxels.bounds();
+        let before = before.within(&self.lattice.endless_reach(&cells));
         if let Some(kept) = before.unchanged().and_then(|node| self.kept(cube, &before, node)) {
             return kept;
         }
         let smallest = cube.size <= self.subdivision.min_block.max(1);
         let by_centre = smallest && self.subdivision.boundary == Boundary::Centre;
-        let decider = by_centre.then(|| cube.bounds(extent).center());
-        let pruned = self.tree.prune(path, &reach, decider);
+        let decider = by_centre.then(|| self.lattice.grid_point(cells.center()));
+        let pruned = self.tree.prune(path, &self.lattice.reach(&cells), decider);
         if pruned.steps.is_empty() {
             return Subtree::Empty;
         }
@@ -284,20 +287,12 @@ impl Splitter<'_> {
     }
 
     fn split_octants(&self, cube: &Cube, path: &[Step], before: &Before) -> [Subtree; 8] {
-        let octant = |i: usize| self.split(cube.octant(i), path, &before.octant(i));
+        let octant = |i: usize| self.split(cube.octant(i), path, &before.octant(i, cube));
         if cube.size < Self::PARALLEL {
             return std::array::from_fn(octant);
         }
         let octants: Vec<Subtree> = (0..8).into_par_iter().map(octant).collect();
         octants.try_into().unwrap_or_else(|_| unreachable!("eight octants"))
-    }
-
-    /// The voxel centres that the block's picture can depend on, as a box of the lattice.
-    fn reach(&self, cube: &Cube, extent: [usize; 3]) -> Aabb {
-        let cells = cube.bounds(extent);
-        // From cell faces to voxel centres is half a voxel inwards.
-        let reach = cells.expand(DVec3::splat(Block::REACH as f64 - 0.5));
-        reach.intersect(&self.lattice.centres())
     }
 
     fn block(&self, cube: Cube, pruned: Pruned) -> Subtree {
@@ -313,7 +308,7 @@ impl Splitter<'_> {
 
     fn counted(&self, candidate: Candidate) -> Subtree {
         if candidate.layout != Layout::Uniform {
-            let voxels = candidate.cube.extent(self.lattice.dims).iter().product();
+            let voxels = candidate.cube.voxels(self.lattice.dims).len();
             self.stored_voxels.fetch_add(voxels, Ordering::Relaxed);
         }
         Subtree::Block(Box::new(candidate))
@@ -329,7 +324,7 @@ impl Splitter<'_> {
             }
             OctreeNode::Split(_) => {
                 let octant = |i: usize| {
-                    let before = before.octant(i);
+                    let before = before.octant(i, &cube);
                     self.kept(cube.octant(i), &before, before.unchanged()?)
                 };
                 let octants: Option<Vec<Subtree>> = (0..8).map(octant).collect();
@@ -409,12 +404,8 @@ impl Candidate {
 
     /// Texture bytes in a lit target.
     fn bytes(&self, lattice: &Lattice) -> usize {
-        let voxels: usize = self
-            .cube
-            .extent(lattice.dims)
-            .iter()
-            .map(|n| n + 2 * Block::APRON)
-            .product();
+        let extent = self.cube.voxels(lattice.dims).extent;
+        let voxels: usize = extent.iter().map(|n| n + 2 * Block::APRON).product();
         match self.layout {
             Layout::Covered | Layout::Mixed => voxels * TEXEL_BYTES,
             Layout::Uniform => TEXEL_BYTES,
@@ -422,10 +413,11 @@ impl Candidate {
     }
 
     fn into_block(self, dims: [usize; 3], path: u32) -> Block {
+        let VoxelBox { origin, extent } = self.cube.voxels(dims);
         Block {
-            origin: self.cube.origin,
+            origin,
             size: self.cube.size,
-            extent: self.cube.extent(dims),
+            extent,
             path,
             layout: self.layout,
             range: self.pruned.range,

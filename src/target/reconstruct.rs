@@ -10,12 +10,13 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::program::{Instruction, program};
+use super::{Lattice, Target};
 use crate::math::{Aabb, Overlap, affine};
 use crate::model::deform::Points;
 use crate::model::{Classifier, ColorSample, Leaf, MaskLeaf, Source, Step, Tree, VolumeLeaf};
 use crate::volume::Sample;
 
-/// The voxels `(x, y, z)`, `(x + 1, y, z)`, … as many as `len`.
+/// The grid's points `(x, y, z)`, `(x + 1, y, z)`, … as many as `len`.
 #[derive(Clone, Copy, PartialEq)]
 struct Voxels {
     x: f64,
@@ -25,6 +26,10 @@ struct Voxels {
 }
 
 impl Voxels {
+    fn new(DVec3 { x, y, z }: DVec3, len: usize) -> Self {
+        Self { x, y, z, len }
+    }
+
     /// Those of `part`.
     fn part(&self, part: &Range<usize>) -> Self {
         Self {
@@ -87,6 +92,7 @@ struct Row {
 /// Runs paths over rows of voxels; keeps its rows between calls.
 pub struct RowEvaluator<'a> {
     tree: &'a Tree,
+    lattice: &'a Lattice,
     rows: Vec<Row>,
     depth: usize,
     kept: Vec<Row>,
@@ -97,10 +103,12 @@ pub struct RowEvaluator<'a> {
 }
 
 impl<'a> RowEvaluator<'a> {
-    /// An evaluator of paths of `tree`.
-    pub fn new(tree: &'a Tree) -> Self {
+    /// An evaluator of paths of `target`.
+    pub fn new(target: &'a Target) -> Self {
+        let tree = &target.tree;
         Self {
             tree,
+            lattice: &target.lattice,
             rows: Vec::new(),
             depth: 0,
             kept: Vec::new(),
@@ -112,6 +120,7 @@ impl<'a> RowEvaluator<'a> {
 
     /// Brings near what `path` reads of its volumes in a box of the lattice.
     pub fn fetch(&self, path: &[Step], bounds: &Aabb) {
+        let bounds = self.lattice.grid_box(bounds);
         for step in path {
             let (Step::LeafInside(index) | Step::Leaf(index)) = step else {
                 continue;
@@ -119,7 +128,7 @@ impl<'a> RowEvaluator<'a> {
             let leaf = self.tree.leaf(*index);
             match &leaf.source {
                 Source::Volume(VolumeLeaf { bricks, .. }) | Source::Mask(MaskLeaf { bricks, .. }) => {
-                    let region = self.tree.region_in(leaf.space, bounds);
+                    let region = self.tree.region_in(leaf.space, &bounds);
                     bricks.fetch(&region.hull.transformed(&leaf.local_from_frame));
                 }
                 Source::Primitive(_) => {}
@@ -137,12 +146,8 @@ impl<'a> RowEvaluator<'a> {
         premultiplied: &mut [f32],
         coverage: Option<&mut [f32]>,
     ) {
-        let voxels = Voxels {
-            x: columns.start as f64,
-            y: j as f64,
-            z: k as f64,
-            len: columns.len(),
-        };
+        let start = DVec3::new(columns.start as f64, j as f64, k as f64);
+        let voxels = Voxels::new(self.lattice.grid_point(start), columns.len());
         if let Some((leaf, volume, inside)) = self.lone_volume(path, &voxels) {
             fill_outside(premultiplied, &inside);
             voxels

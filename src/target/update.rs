@@ -4,19 +4,21 @@
 //! ([`Changes`]). A cube of the octree that none of them meets has the path that it had; the others are tested again.
 //! *Changes from the paper.* VCSG subdivides the target anew for each tree. Here the result is that, bit for bit (design law 5),
 //! and the work is that of the blocks that an edit touches.
-//! *Practice.* The lattice must stay as it was: the bits of a sample depend on where the lattice is. An edit that moves the
-//! model's bounds, or its finest spacing, moves the lattice, and then everything is made anew. A block that is touched but in the
-//! end has the path that it had keeps its voxels too; one that has another takes over the voxels that lie in none of the boxes.
+//! *Practice.* Samples and cubes lie on a grid that bounds do not move ([`Lattice`]). Where an edit moves the model's bounds, what
+//! their faces cut before and after is touched too, and blocks elsewhere stay. Another spacing, or other axes, are another grid:
+//! then everything is made anew. A block that is touched but in the end has the path that it had keeps its voxels too; one
+//! that has another takes over the voxels that lie in none of the boxes. Of deformations the tables of those that have not changed
+//! are kept; one that has touches the box of what it deforms, before and after.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use glam::DVec3;
+use glam::{DVec3, I64Vec3};
 use rayon::prelude::*;
 
 use super::voxels::Slab;
-use super::{Block, BlockVoxels, Cube, Layout, OctreeNode, Subdivision, Target, TargetError};
+use super::{Block, BlockVoxels, Cube, Lattice, Layout, OctreeNode, Subdivision, Target, TargetError};
 use crate::math::Aabb;
 use crate::model::{Boundary, Changes, Model, Pruned, Tree};
 
@@ -27,7 +29,7 @@ pub struct Update {
     pub target: Target,
     /// For each block the one of the target before that has the same voxels, if there is one.
     pub kept: Vec<Option<u32>>,
-    /// Boxes of the lattice outside which no voxel has changed.
+    /// Boxes of the lattice's grid outside which no voxel has changed.
     pub changed: Vec<Aabb>,
 }
 
@@ -48,6 +50,7 @@ impl Update {
             target: before,
             voxels,
             changed: &self.changed,
+            lattice: &self.target.lattice,
         };
         let blocks = self.target.blocks.par_iter().zip(&self.kept);
         blocks
@@ -60,18 +63,22 @@ impl Update {
 }
 
 impl Target {
-    /// The target of `model` on the same lattice, for which only blocks that the change touches are tested again.
+    /// The target of `model` on `lattice`. If that is on the same grid, only blocks that the change touches, or a face of the
+    /// lattice that has moved, are tested again.
     ///
     /// # Errors
     /// As [`Target::on_lattice`].
-    pub fn updated(&self, model: &Model, subdivision: &Subdivision) -> Result<Update, TargetError> {
-        let tree = Tree::after(&self.tree, model, &self.lattice.world_from_lattice)?;
+    pub fn updated(&self, model: &Model, lattice: Lattice, subdivision: &Subdivision) -> Result<Update, TargetError> {
+        if !lattice.shares_grid(&self.lattice) {
+            return Self::on_lattice(model, lattice, subdivision).map(Update::anew);
+        }
+        let tree = Tree::after(&self.tree, model, lattice.world_from_grid())?;
         let like = |s: &Subdivision| (s.min_block, s.max_block, s.boundary);
-        // A deformation that changes moves all that it holds.
-        if like(subdivision) != like(&self.subdivision) || !self.tree.deforms_like(&tree) {
-            return Self::of_tree(tree, self.lattice, subdivision).map(Update::anew);
+        if like(subdivision) != like(&self.subdivision) {
+            return Self::of_tree(tree, lattice, subdivision).map(Update::anew);
         }
         let mut changes = Changes::between(&self.tree, &tree);
+        changes.boxes.extend(self.lattice.difference(&lattice));
         if subdivision.boundary == Boundary::Centre {
             for changed in &mut changes.boxes {
                 *changed = whole_blocks(changed, subdivision.min_block);
@@ -80,14 +87,21 @@ impl Target {
         let edit = Edit {
             before: self,
             changes: &changes,
+            shift: shift(&lattice, &self.lattice),
         };
-        let target = Self::of_tree_after(tree, self.lattice, subdivision, Before::of(&edit))?;
+        let root = Cube::around(&lattice, subdivision.min_block);
+        let target = Self::of_tree_after(tree, lattice, subdivision, Before::of(&edit, &root))?;
         Ok(Update {
             kept: edit.kept(&target),
             changed: changes.boxes,
             target,
         })
     }
+}
+
+/// From coordinates of one lattice to those of another on the same grid.
+fn shift(from: &Lattice, to: &Lattice) -> I64Vec3 {
+    from.first() - to.first()
 }
 
 /// The cells of the smallest blocks that a box touches: under [`Boundary::Centre`] a leaf may fill all of a block that it only
@@ -105,24 +119,58 @@ fn whole_blocks(changed: &Aabb, min_block: usize) -> Aabb {
 pub(super) struct Edit<'a> {
     before: &'a Target,
     changes: &'a Changes,
+    /// From coordinates of the lattice after the edit to those of the one before.
+    shift: I64Vec3,
 }
 
 impl Edit<'_> {
-    /// For each block of `after` the one before of the same cube, layout and path.
+    /// For each block of `after` the one before of the same cube, layout, path and surroundings: a face of the lattice that has moved
+    /// changes the apron.
     fn kept(&self, after: &Target) -> Vec<Option<u32>> {
         let paths: Vec<_> = self.before.paths.iter().map(|path| self.changes.path(path)).collect();
         let same_path = |old: &Block, new: &Block| {
             let path = paths[old.path as usize].as_ref();
             path.is_some_and(|path| path == after.path(new))
         };
-        let cube = |block: &Block| (block.origin, block.size);
-        let before: HashMap<_, _> = self.before.blocks.iter().map(cube).zip(0u32..).collect();
+        let cube = |block: &Block, shift: I64Vec3| {
+            let origin = I64Vec3::from_array(block.origin.map(|n| n as i64)) + shift;
+            (origin, block.size, block.extent)
+        };
+        let same_reach =
+            |old: &Block, new: &Block| self.before.lattice.reach(&old.bounds()) == after.lattice.reach(&new.bounds());
+        let before = self.before.blocks.iter().map(|block| cube(block, I64Vec3::ZERO));
+        let before: HashMap<_, _> = before.zip(0u32..).collect();
         let kept = |block: &Block| {
-            let index = *before.get(&cube(block))?;
+            let index = *before.get(&cube(block, self.shift))?;
             let old = &self.before.blocks[index as usize];
-            (old.layout == block.layout && same_path(old, block)).then_some(index)
+            let same = old.layout == block.layout && same_reach(old, block) && same_path(old, block);
+            same.then_some(index)
         };
         after.blocks.iter().map(kept).collect()
+    }
+
+    /// What `cube`, of the lattice after the edit, was before; `None` if it was no cube, or a part of a block.
+    fn node(&self, cube: &Cube) -> Option<OctreeNode> {
+        let octree = &self.before.octree;
+        let cube = Cube {
+            origin: (I64Vec3::from_array(cube.origin) + self.shift).to_array(),
+            ..*cube
+        };
+        let (mut around, mut node) = (octree.root, octree.nodes[0]);
+        while around.holds(&cube) {
+            match node {
+                _ if around == cube => return Some(node),
+                OctreeNode::Empty => return Some(node),
+                // How parts of a block would have been alone is not kept.
+                OctreeNode::Block(_) => return None,
+                OctreeNode::Split(first) => {
+                    let octant = around.octant_with(cube.origin);
+                    around = around.octant(octant);
+                    node = octree.nodes[first as usize + octant];
+                }
+            }
+        }
+        None
     }
 }
 
@@ -130,20 +178,20 @@ impl Edit<'_> {
 pub(super) enum Before<'a> {
     /// Nothing.
     Unknown,
-    /// What it was, and the boxes of the edit that may meet it.
+    /// What it was, if it was a cube, and the boxes of the edit that may meet it.
     Known {
         edit: &'a Edit<'a>,
-        node: OctreeNode,
+        node: Option<OctreeNode>,
         changed: Cow<'a, [Aabb]>,
     },
 }
 
 impl<'a> Before<'a> {
     /// What is known of the root.
-    fn of(edit: &'a Edit<'a>) -> Self {
+    fn of(edit: &'a Edit<'a>, root: &Cube) -> Self {
         Self::Known {
             edit,
-            node: edit.before.octree.nodes[0],
+            node: edit.node(root),
             changed: Cow::Borrowed(&edit.changes.boxes),
         }
     }
@@ -164,21 +212,21 @@ impl<'a> Before<'a> {
     /// What the cube was, if the edit does not meet it.
     pub fn unchanged(&self) -> Option<OctreeNode> {
         match self {
-            Self::Known { node, changed, .. } if changed.is_empty() => Some(*node),
+            Self::Known { node, changed, .. } if changed.is_empty() => *node,
             _ => None,
         }
     }
 
-    /// What is known of an octant.
-    pub fn octant(&self, index: usize) -> Self {
+    /// What is known of octant `index` of `cube`.
+    pub fn octant(&self, index: usize, cube: &Cube) -> Self {
         let Self::Known { edit, node, changed } = self else {
             return Self::Unknown;
         };
         let node = match *node {
-            OctreeNode::Empty => OctreeNode::Empty,
-            OctreeNode::Split(first) => edit.before.octree.nodes[first as usize + index],
-            // How parts of a block would have been alone is not kept.
-            OctreeNode::Block(_) => return Self::Unknown,
+            Some(OctreeNode::Split(first)) => Some(edit.before.octree.nodes[first as usize + index]),
+            Some(OctreeNode::Empty) => *node,
+            // What was no cube may have held some.
+            _ => edit.node(&cube.octant(index)),
         };
         Self::Known {
             edit,
@@ -206,51 +254,62 @@ impl<'a> Before<'a> {
 pub(super) struct Earlier<'a> {
     target: &'a Target,
     voxels: &'a [BlockVoxels],
-    /// Boxes of the lattice in which they do not hold.
+    /// Boxes of the grid in which they do not hold.
     changed: &'a [Aabb],
+    /// After the edit.
+    lattice: &'a Lattice,
 }
 
 /// Rows of one block's voxels, or of nothing.
-pub(super) struct EarlierRows<'a>(Option<(&'a Block, &'a BlockVoxels)>);
+pub(super) struct EarlierRows<'a> {
+    of: Option<(&'a Block, &'a BlockVoxels)>,
+    /// From coordinates of the lattice after the edit to those of the one before.
+    shift: I64Vec3,
+}
 
 impl<'a> Earlier<'a> {
     /// The rows that lie in the part of the lattice between two voxels, ends included; `None` if the edit touches it, or if it was
     /// not one block or empty cube.
     pub fn rows(&self, first: [usize; 3], last: [usize; 3]) -> Option<EarlierRows<'a>> {
         let point = |at: [usize; 3]| DVec3::from_array(at.map(|n| n as f64));
-        let part = Aabb::new(point(first), point(last));
+        let part = self.lattice.grid_box(&Aabb::new(point(first), point(last)));
         if self.changed.iter().any(|b| !b.intersect(&part).is_empty()) {
             return None;
         }
+        let shift = shift(self.lattice, &self.target.lattice);
+        let [first, last] = [shifted(first, shift)?, shifted(last, shift)?];
         let (cube, node) = self.target.leaf_at(first);
-        if !holds(&cube, last) {
+        if !cube.voxels(self.target.lattice.dims).holds(last) {
             return None;
         }
-        match node {
+        let of = match node {
             OctreeNode::Block(index) => {
                 let index = index as usize;
-                Some(EarlierRows(Some((&self.target.blocks[index], &self.voxels[index]))))
+                Some((&self.target.blocks[index], &self.voxels[index]))
             }
-            _ => Some(EarlierRows(None)),
-        }
+            _ => None,
+        };
+        Some(EarlierRows { of, shift })
     }
 }
 
-fn holds(cube: &Cube, at: [usize; 3]) -> bool {
-    (0..3).all(|a| (cube.origin[a]..cube.origin[a] + cube.size).contains(&at[a]))
+/// Voxel `at` in the coordinates of another lattice, if it does not lie before it.
+fn shifted(at: [usize; 3], shift: I64Vec3) -> Option<[usize; 3]> {
+    let [x, y, z] = (I64Vec3::from_array(at.map(|n| n as i64)) + shift).to_array();
+    Some([x.try_into().ok()?, y.try_into().ok()?, z.try_into().ok()?])
 }
 
 impl EarlierRows<'_> {
     /// Copies the voxels `(i, j, k)` for `i` in `columns`.
     pub fn copy(&self, columns: Range<usize>, [j, k]: [usize; 2], out: Slab) {
-        let Some((block, voxels)) = self.0 else {
+        let start = shifted([columns.start, j, k], self.shift);
+        let (Some((block, voxels)), Some(start)) = (self.of, start) else {
             out.premultiplied.fill(0.0);
             out.coverage.into_iter().for_each(|row| row.fill(0.0));
             out.rgb.into_iter().for_each(|row| row.fill([0.0; 3]));
             return;
         };
-        let [x, y, z] = block.origin;
-        let start = columns.start - x + voxels.dims[0] * (j - y + voxels.dims[1] * (k - z));
+        let start = voxels.index(block.origin, start);
         let row = start..start + columns.len();
         out.premultiplied.copy_from_slice(&voxels.premultiplied[row.clone()]);
         match (out.coverage, &voxels.coverage) {

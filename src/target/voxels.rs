@@ -99,7 +99,7 @@ impl BlockVoxels {
     }
 
     /// The place of voxel `at` of the lattice, which lies in the block or its apron.
-    fn index(&self, origin: [usize; 3], at: [usize; 3]) -> usize {
+    pub(super) fn index(&self, origin: [usize; 3], at: [usize; 3]) -> usize {
         let [i, j, k]: [usize; 3] = from_fn(|a| at[a] + self.apron - origin[a]);
         i + self.dims[0] * (j + self.dims[1] * k)
     }
@@ -193,7 +193,7 @@ impl Filler<'_> {
         // Stored columns before the first and after the last one evaluated repeat it.
         let before = self.apron.saturating_sub(self.block.origin[0]);
         let inside = before..before + self.lattice(0, width - 1) + 1 - self.lattice(0, 0);
-        let mut evaluator = RowEvaluator::new(&self.target.tree);
+        let mut evaluator = RowEvaluator::new(self.target);
         for rows in parts(0..height, PART[1]) {
             for columns in parts(inside.clone(), PART[0]) {
                 let part = [columns, rows.clone(), planes.clone()];
@@ -378,11 +378,11 @@ impl Target {
 
     /// The leaf of the octree that holds voxel `at` of the lattice, and its cube.
     pub(super) fn leaf_at(&self, at: [usize; 3]) -> (Cube, OctreeNode) {
+        let at = at.map(|n| n as i64);
         let mut cube = self.octree.root;
         let mut node = self.octree.nodes[0];
         while let OctreeNode::Split(first) = node {
-            let half = cube.size / 2;
-            let octant = (0..3).fold(0, |o, a| o | usize::from(at[a] >= cube.origin[a] + half) << a);
+            let octant = cube.octant_with(at);
             cube = cube.octant(octant);
             node = self.octree.nodes[first as usize + octant];
         }

@@ -3,7 +3,7 @@
 use vcsg::model::{Model, Node};
 use vcsg::projection::{FrameSpec, Mode};
 use vcsg::render::{PagedTarget, plan, soft_normals};
-use vcsg::target::{Target, Update};
+use vcsg::target::{Lattice, Target, Update};
 use vcsg::volume::VoxelType;
 use vcsg::voxelize::Solid;
 
@@ -48,18 +48,21 @@ fn with_target(scene: &Scene, target: Target) -> Scene {
     }
 }
 
-/// Draws a scene and edits of it, each from the pages before, as `mistake` leaves the updates. Those out of bounds are counted.
-fn follow(bench: &mut Bench, seed: u64, mistake: impl Fn(&Target, Update) -> Update) -> usize {
+/// Draws a scene and edits of it, each from the pages before, as `mistake` leaves the updates. Those out of bounds are counted, and those
+/// that move a face of the lattice.
+fn follow(bench: &mut Bench, seed: u64, mistake: impl Fn(&Target, Update) -> Update) -> [usize; 2] {
     let mut random = Random(seed);
     let mut model = recipe(seed).model(&mut random);
     let mut scene = recipe(seed).scene();
     let mut prepared = bench.prepare(&scene.spec());
-    let mut wrong = 0;
+    let (mut wrong, mut moved_faces) = (0, 0);
     for _ in 0..4 {
         model = moved(&model, &mut random);
         let before = &scene.target;
-        let update = before.updated(&model, &before.subdivision).expect("a target");
+        let lattice = Lattice::of_model(&model, None).expect("a lattice");
+        let update = before.updated(&model, lattice, &before.subdivision).expect("a target");
         assert_eq!(update.target.value_range, before.value_range);
+        moved_faces += usize::from(lattice != before.lattice);
         let update = mistake(before, update);
         let normals = soft_normals(&scene.spec());
         let device = std::sync::Arc::clone(bench.renderer.device());
@@ -75,14 +78,18 @@ fn follow(bench: &mut Bench, seed: u64, mistake: impl Fn(&Target, Update) -> Upd
         let (frame, bounds) = (bench.draw(&spec, &prepared), bench.bounds(&spec, &prepared));
         wrong += usize::from(bounds.pixels_outside(&frame) > 0);
     }
-    wrong
+    [wrong, moved_faces]
 }
 
 pub fn pages_follow_edits() {
     on_device(|bench| {
+        let mut moved = 0;
         for seed in 60..66 {
-            assert_eq!(follow(bench, seed, |_, update| update), 0, "seed {seed}");
+            let [wrong, moved_faces] = follow(bench, seed, |_, update| update);
+            assert_eq!(wrong, 0, "seed {seed}");
+            moved += moved_faces;
         }
+        assert!(moved > 5, "{moved} of 24 edits move a face of the lattice");
     });
 }
 
@@ -99,7 +106,7 @@ pub fn blocks_that_should_have_been_made_anew_are_out_of_bounds() {
                 ..update
             }
         };
-        let wrong: usize = (60..66).map(|seed| follow(bench, seed, stale)).sum();
+        let wrong: usize = (60..66).map(|seed| follow(bench, seed, stale)[0]).sum();
         assert!(wrong > 12, "{wrong} of 24");
     });
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 use vcsg::math::{Aabb, Interval, Plane};
 use vcsg::model::deform::Morph;
-use vcsg::model::{Admitted, Boundary, Combine, Model, Node, NodeId, Operator, Step, TransferFunction, ValueMap};
+use vcsg::model::{Admitted, Boundary, Combine, Model, Node, NodeId, Operator, TransferFunction, ValueMap};
 use vcsg::target::{Block, BlockVoxels, Lattice, Octree, Subdivision, Target, Update, VoxelTarget};
 use vcsg::voxelize::{Primitive, Solid};
 
@@ -189,7 +189,7 @@ struct Sequence {
     scene: Scene,
     /// What combines the scene's colours with those of a ball, if it has any; edits bring transfer functions.
     blend: Option<Operator>,
-    /// What deforms the ball, in turns, if anything does.
+    /// What deforms what is beside the scene, in turns, if anything does.
     morphs: Vec<Arc<Morph>>,
     /// Balls that make the paths long.
     balls: usize,
@@ -199,7 +199,7 @@ struct Sequence {
 
 const EDITS: usize = 25;
 
-fn ball() -> Solid {
+pub fn ball() -> Solid {
     Solid::Sphere {
         center: DVec3::ONE,
         radius: 5.0,
@@ -219,7 +219,7 @@ fn sequence() -> impl Strategy<Value = Sequence> {
     let edits = prop::collection::vec(edit(), EDITS);
     let bounds = Aabb::new(DVec3::splat(-8.0), DVec3::splat(10.0));
     let morph = landmarks().prop_map(move |landmarks| Arc::new(landmarks.morph(&bounds)));
-    let morphs = prop_oneof![6 => Just(vec![]).boxed(), 1 => prop::collection::vec(morph, 2).boxed()];
+    let morphs = prop_oneof![7 => Just(vec![]).boxed(), 1 => prop::collection::vec(morph, 2).boxed()];
     let all = (undeformed_scene(), blend, morphs, balls, subdivision, edits);
     all.prop_map(|(scene, blend, morphs, balls, subdivision, edits)| Sequence {
         scene,
@@ -244,14 +244,14 @@ impl Sequence {
         tree
     }
 
-    /// The model of a tree after edit `n`, and a ball. Some of the edits change the tree's colours, if it has any, some the ball's, and
-    /// some how the ball is deformed.
+    /// The model of a tree after edit `n`, and what is beside it. Some of the edits change the tree's colours, if it has any, some those of
+    /// what is beside it, and some how that is deformed.
     fn model(&self, tree: &Twig, n: usize) -> Model {
         let mut model = tree.model();
         let Some(first) = model.root() else {
             return model;
         };
-        let second = self.ball(&mut model, n);
+        let second = self.beside(&mut model, n);
         let classified = |model: &mut Model, child, edit: usize| {
             let transfer = Arc::new(self.edits[edit].with.transfer.clone());
             model.push(Node::Classify { child, transfer })
@@ -263,49 +263,59 @@ impl Sequence {
                 (first, classified(&mut model, second, n / 3), blend.clone())
             }
         };
-        let Operator { op, rule, family } = operator;
-        model.push(Node::Combine(Combine {
-            op,
-            rule,
-            family,
-            first,
-            second,
-        }));
+        model.push(combined(&operator, first, second));
         model
     }
 
-    fn ball(&self, model: &mut Model, n: usize) -> NodeId {
-        let child = model.push(Node::Primitive(Primitive::soft(ball(), 50.0)));
-        match self.morphs.get(n / 8 % 3) {
-            None => child,
-            Some(morph) => model.push(Node::Deform {
-                child,
-                morph: Arc::clone(morph),
-                error_voxels: 0.1,
-            }),
-        }
+    /// A ball that deformations come and go about, one within the other, and a box that is always deformed, if anything is: their numbers
+    /// change.
+    fn beside(&self, model: &mut Model, n: usize) -> NodeId {
+        let ball = model.push(Node::Primitive(Primitive::soft(ball(), 50.0)));
+        let Some(last) = self.morphs.last() else {
+            return ball;
+        };
+        let inner = self.deformed(model, ball, n / 8 % 3);
+        let ball = self.deformed(model, inner, (n / 5 + 1) % 3);
+        let solid = Solid::Box(Aabb::new(DVec3::splat(-6.0), DVec3::splat(-1.0)));
+        let child = model.push(Node::Primitive(Primitive::crisp(solid, 20.0)));
+        let part = model.push(deform(child, last));
+        model.push(combined(&seeded(&parts::operator(), 5), ball, part))
     }
 
-    /// Some voxels more than ten along the longest axis.
-    fn lattice(&self) -> Lattice {
+    /// `child` deformed by morph `n`, if there is one.
+    fn deformed(&self, model: &mut Model, child: NodeId, n: usize) -> NodeId {
+        self.morphs
+            .get(n)
+            .map_or(child, |morph| model.push(deform(child, morph)))
+    }
+
+    /// Some voxels about what of the model is near to where the scene was, on one grid: with the edits, its faces move.
+    fn lattice(&self, model: &Model) -> Lattice {
         let bounds = self.scene.lattice.world_bounds();
         // A chain of maps may have moved a model beyond all numbers.
-        let somewhere = Aabb::new(DVec3::splat(-13.0), DVec3::splat(13.0));
-        let on = |bounds: &Aabb| Lattice::axis_aligned(bounds, bounds.size().max_element() / 7.0);
-        on(&bounds).unwrap_or_else(|_| on(&somewhere).expect("a lattice"))
+        let usable = |b: &Aabb| !b.is_empty() && b.is_finite() && b.size().max_element() < 1e6;
+        let start = [bounds, Aabb::new(DVec3::splat(-13.0), DVec3::splat(13.0))];
+        let start = start.into_iter().find(usable).expect("the second is");
+        let spacing_mm = start.size().max_element() / 7.0;
+        let of_model = model.root().map_or(Aabb::EMPTY, |root| model.bounds()[root.index()]);
+        let filled = of_model.intersect(&start.expand(DVec3::splat(1.5 * spacing_mm)));
+        let filled = if usable(&filled) { filled } else { start };
+        Lattice::axis_aligned(&filled, spacing_mm).expect("a small lattice")
     }
 
-    /// Follows the edits, each time by what `update` makes of the target and the model after the edit.
-    fn follow(&self, mut update: impl FnMut(&Target, &Model) -> Update) -> Result<(), String> {
+    /// Follows the edits, each time by what `update` makes of the target before and the one built anew.
+    fn follow(&self, mut update: impl FnMut(&Target, &Model, Lattice) -> Update) -> Result<(), String> {
         let mut tree = self.tree();
         let mut before = tree.clone();
-        let lattice = self.lattice();
-        let mut target = Target::on_lattice(&self.model(&tree, 0), lattice, &self.subdivision).expect("a small target");
+        let model = self.model(&tree, 0);
+        let mut target = Target::on_lattice(&model, self.lattice(&model), &self.subdivision).expect("a small target");
         let mut voxels = VoxelTarget::new(&target).voxels;
         for (n, edit) in self.edits.iter().enumerate() {
             let edited = edit.apply(&tree, &before);
             let model = self.model(&edited, n);
-            let update = update(&target, &model);
+            let lattice = self.lattice(&model);
+            let update = update(&target, &model, lattice);
+            same_pictures(&target, &update).map_err(|what| format!("edit {n}, {:?}: {what}", edit.kind))?;
             voxels = update.voxels(&target, &voxels);
             target = update.target;
             let anew = Target::on_lattice(&model, lattice, &self.subdivision).expect("a small target");
@@ -316,12 +326,33 @@ impl Sequence {
     }
 }
 
-fn updated(target: &Target, model: &Model) -> Update {
-    target.updated(model, &target.subdivision).expect("a small target")
+fn combined(operator: &Operator, first: NodeId, second: NodeId) -> Node {
+    let Operator { op, rule, family } = operator.clone();
+    Node::Combine(Combine {
+        op,
+        rule,
+        family,
+        first,
+        second,
+    })
+}
+
+fn deform(child: NodeId, morph: &Arc<Morph>) -> Node {
+    Node::Deform {
+        child,
+        morph: Arc::clone(morph),
+        error_voxels: 0.5,
+    }
+}
+
+pub fn updated(target: &Target, model: &Model, lattice: Lattice) -> Update {
+    target
+        .updated(model, lattice, &target.subdivision)
+        .expect("a small target")
 }
 
 /// Whether an updated target with its voxels is the one that was built anew.
-fn same(target: &Target, voxels: &[BlockVoxels], anew: &Target) -> Result<(), String> {
+pub fn same(target: &Target, voxels: &[BlockVoxels], anew: &Target) -> Result<(), String> {
     let text = |found: &dyn std::fmt::Debug| format!("{found:?}");
     let octree = |t: &Target| -> Octree { t.octree.clone() };
     let described = |t: &Target| (text(&t.blocks), text(&t.value_range), t.lattice);
@@ -337,6 +368,18 @@ fn same(target: &Target, voxels: &[BlockVoxels], anew: &Target) -> Result<(), St
     let truth = VoxelTarget::new(anew).voxels;
     for ((found, true_voxels), block) in voxels.iter().zip(&truth).zip(&anew.blocks) {
         same_voxels(found, true_voxels).map_err(|what| format!("{block:?}: {what}"))?;
+    }
+    Ok(())
+}
+
+/// Whether all that a picture of a block that is kept can depend on is as it was.
+fn same_pictures(before: &Target, update: &Update) -> Result<(), String> {
+    for (block, kept) in update.target.blocks.iter().zip(&update.kept) {
+        if let Some(kept) = kept.map(|index| &before.blocks[index as usize]) {
+            let was = BlockVoxels::reconstruct(before, kept, Block::REACH);
+            let is = BlockVoxels::reconstruct(&update.target, block, Block::REACH);
+            same_voxels(&was, &is).map_err(|what| format!("{block:?} was kept: {what}"))?;
+        }
     }
     Ok(())
 }
@@ -373,7 +416,7 @@ proptest! {
 fn seen(mistake: impl Fn(&Target, Update) -> Update) -> usize {
     let shows = |seed: &u64| {
         let sequence = seeded(&sequence(), *seed);
-        let follow = |target: &Target, model: &Model| mistake(target, updated(target, model));
+        let follow = |target: &Target, model: &Model, lattice| mistake(target, updated(target, model, lattice));
         sequence.follow(follow).is_err()
     };
     (0..40).filter(shows).count()
@@ -387,6 +430,31 @@ fn forgetting_what_has_changed_is_seen() {
         ..update
     });
     assert!(forgotten > 20, "{forgotten} of 40");
+}
+
+/// What an edit that moves a face of the lattice does to blocks there is seen, even if their own voxels stay.
+#[test]
+fn keeping_blocks_at_faces_that_have_moved_is_seen() {
+    let cube = |target: &Target, block: &Block| {
+        let first = target.lattice.first().to_array();
+        let origin = [0, 1, 2].map(|a| block.origin[a] as i64 + first[a]);
+        (origin, block.size, block.extent, block.layout)
+    };
+    let careless = seen(|before, update| {
+        let voxels = |target: &Target, block: &Block| BlockVoxels::reconstruct(target, block, 0);
+        let kept = update.target.blocks.iter().map(|block| {
+            let same = |old: &&Block| cube(before, old) == cube(&update.target, block);
+            let old = before.blocks.iter().find(same)?;
+            let alike = same_voxels(&voxels(before, old), &voxels(&update.target, block)).is_ok();
+            let index = before.blocks.iter().position(|b| std::ptr::eq(b, old))?;
+            alike.then_some(index as u32)
+        });
+        Update {
+            kept: kept.collect(),
+            ..update.clone()
+        }
+    });
+    assert!(careless > 20, "{careless} of 40");
 }
 
 #[test]
@@ -405,76 +473,35 @@ fn keeping_blocks_by_their_place_alone_is_seen() {
     assert!(careless > 20, "{careless} of 40");
 }
 
-/// A row of balls far apart, one of which is moved.
-fn row_of_balls(moved_by: f64) -> Model {
-    let mut model = Model::default();
-    let ids: Vec<NodeId> = (0..6)
-        .map(|n| {
-            let shift = if n == 2 { DVec3::Y * moved_by } else { DVec3::ZERO };
-            let center = DVec3::X * 20.0 * f64::from(n) + shift;
-            model.push(Node::Primitive(Primitive::soft(
-                Solid::Sphere { center, radius: 6.0 },
-                n as f32,
-            )))
-        })
-        .collect();
-    let operator = seeded(&parts::operator(), 0);
-    model.fold(vcsg::model::BooleanOp::Union, operator.rule, operator.family, ids);
-    model
+/// How many edits of some sequences there are, and blocks that they keep: those that move a face of the lattice, and those that change
+/// a deformation.
+#[derive(Debug, Default)]
+struct Count {
+    moved: [usize; 2],
+    deformed: [usize; 2],
 }
 
 #[test]
-fn what_an_edit_does_not_touch_is_kept() {
-    let subdivision = Subdivision {
-        min_block: 8,
-        ..Subdivision::default()
-    };
-    let bounds = Aabb::new(DVec3::splat(-10.0), DVec3::new(110.0, 10.0, 10.0));
-    let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
-    let target = Target::on_lattice(&row_of_balls(0.0), lattice, &subdivision).expect("a target");
-    let update = updated(&target, &row_of_balls(1.5));
-    let touches_third = |b: &Block| b.origin[0] + b.size > 40 && b.origin[0] < 60;
-    for (block, kept) in update.target.blocks.iter().zip(&update.kept) {
-        assert!(kept.is_some() || touches_third(block), "{block:?}");
-    }
-    assert!(update.kept.iter().any(Option::is_none));
-    let uses_ball_2 = |step: &Step| matches!(step, Step::Leaf(2) | Step::LeafInside(2));
-    assert!(update.target.paths.iter().flatten().any(uses_ball_2));
-}
-
-#[test]
-fn an_edit_beside_a_deformation_keeps_its_table() {
-    let bounds = Aabb::new(DVec3::splat(-8.0), DVec3::splat(10.0));
-    let morph = Arc::new(seeded(&landmarks(), 5).morph(&bounds));
-    let model = |value: f32| {
-        let mut model = Model::default();
-        let child = model.push(Node::Primitive(Primitive::soft(ball(), 50.0)));
-        let first = model.push(Node::Deform {
-            child,
-            morph: Arc::clone(&morph),
-            error_voxels: 0.1,
+fn edits_that_move_bounds_or_deform_keep_blocks() {
+    let mut count = Count::default();
+    for seed in 0..60 {
+        let sequence = seeded(&sequence(), seed);
+        let followed = sequence.follow(|target, model, lattice| {
+            let update = updated(target, model, lattice);
+            let kept = update.kept.iter().flatten().count();
+            let add = |[edits, blocks]: &mut [usize; 2]| (*edits, *blocks) = (*edits + 1, *blocks + kept);
+            if lattice != target.lattice {
+                add(&mut count.moved);
+            }
+            let morphs = |target: &Target| -> Vec<_> { target.tree.deformations().map(|(m, _)| m.clone()).collect() };
+            if morphs(target) != morphs(&update.target) {
+                add(&mut count.deformed);
+            }
+            update
         });
-        let second = model.push(Node::Primitive(Primitive::crisp(ball(), value)));
-        let Operator { rule, family, .. } = seeded(&parts::operator(), 0);
-        model.fold(vcsg::model::BooleanOp::Union, rule, family, [first, second]);
-        model
-    };
-    let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
-    let target = Target::on_lattice(&model(1.0), lattice, &Subdivision::default()).expect("a target");
-    let edited = updated(&target, &model(2.0)).target;
-    assert!(std::ptr::eq(target.tree.table(0), edited.tree.table(0)));
-}
-
-#[test]
-fn another_subdivision_is_built_anew() {
-    let bounds = Aabb::new(DVec3::splat(-10.0), DVec3::new(110.0, 10.0, 10.0));
-    let lattice = Lattice::axis_aligned(&bounds, 1.0).expect("a lattice");
-    let [coarse, fine] = [16, 4].map(|min_block| Subdivision {
-        min_block,
-        ..Subdivision::default()
-    });
-    let target = Target::on_lattice(&row_of_balls(0.0), lattice, &coarse).expect("a target");
-    let update = target.updated(&row_of_balls(0.0), &fine).expect("a target");
-    assert!(update.kept.iter().all(Option::is_none));
-    assert_eq!(update.target.subdivision, fine);
+        assert_eq!(followed, Ok(()), "seed {seed}");
+    }
+    println!("{count:?}");
+    assert!(count.moved.iter().all(|&n| n > 100), "{count:?}");
+    assert!(count.deformed.iter().all(|&n| n > 10), "{count:?}");
 }

@@ -20,6 +20,7 @@ mod scene;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;
+mod touched;
 mod twig;
 mod values;
 mod world;

@@ -14,8 +14,8 @@ use crate::support::{cases, seeded};
 /// The cells of each block of `target`.
 pub fn cells_of(target: &Target) -> Vec<CellRanges> {
     let cells = |block: &Block| match block.layout == Layout::Uniform {
-        true => CellRanges::uniform(block),
-        false => CellRanges::new(block, &BlockVoxels::reconstruct(target, block, 1)),
+        true => CellRanges::uniform(&target.lattice, block),
+        false => CellRanges::new(&target.lattice, block, &BlockVoxels::reconstruct(target, block, 1)),
     };
     target.blocks.iter().map(cells).collect()
 }

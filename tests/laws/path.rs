@@ -39,13 +39,14 @@ fn block_follows(target: &Target, block: &Block, tree: &Tree) -> Result<(), Stri
         let Some(voxel) = lattice_voxel(target, block, place) else {
             continue;
         };
-        let truth = tree.sample(at(voxel));
+        let point = target.lattice.grid_point(at(voxel));
+        let truth = tree.sample(point);
         let found = (stored.premultiplied[n], stored.coverage.as_ref().map_or(1.0, |c| c[n]));
         if !same_bits(found.0, truth.premultiplied()) || !same_bits(found.1, truth.coverage) {
             return Err(format!("voxel {voxel:?} of {block:?} is {found:?}, not {truth:?}"));
         }
         if let Some(stored) = stored.rgb() {
-            let truth = tree.color_sample(at(voxel)).premultiplied_rgb();
+            let truth = tree.color_sample(point).premultiplied_rgb();
             if stored[n].map(f32::to_bits) != truth.map(f32::to_bits) {
                 return Err(format!(
                     "voxel {voxel:?} of {block:?} is {:?}, not {truth:?}",
@@ -72,7 +73,7 @@ fn lattice_voxel(target: &Target, block: &Block, place: [usize; 3]) -> Option<[u
 fn nothing_outside_blocks(target: &Target, tree: &Tree) -> Result<(), String> {
     voxels(target.lattice.dims)
         .filter(|&voxel| target.block_at(voxel).is_none())
-        .map(|voxel| (voxel, tree.sample(at(voxel))))
+        .map(|voxel| (voxel, tree.sample(target.lattice.grid_point(at(voxel)))))
         .find(|(_, sample)| sample.coverage != 0.0)
         .map_or(Ok(()), |lost| Err(format!("in no block: {lost:?}")))
 }
@@ -81,7 +82,7 @@ fn nothing_outside_blocks(target: &Target, tree: &Tree) -> Result<(), String> {
 fn uncrossed_blocks_follow(target: &Target, tree: &Tree) -> Result<(), String> {
     for block in &target.blocks {
         let reach = block.bounds().expand(DVec3::splat(Block::REACH as f64));
-        let exact = tree.prune(tree.steps(), &reach, None);
+        let exact = tree.prune(tree.steps(), &target.lattice.grid_box(&reach), None);
         let crossed = |s: &Step| matches!(s, Step::Leaf(_) | Step::Cut(_));
         if !exact.steps.iter().any(crossed) {
             block_follows(target, block, tree)?;
@@ -126,7 +127,7 @@ proptest! {
         let one_voxel = Subdivision { min_block: 1, max_block: 1, boundary: Boundary::Centre, ..Subdivision::default() };
         let target = scene.target(&one_voxel);
         for voxel in voxels(target.lattice.dims) {
-            let truth = target.tree.sample(at(voxel));
+            let truth = target.sample(at(voxel));
             let (premultiplied, coverage) = target.block_at(voxel).map_or((0.0, 0.0), |b| {
                 let stored = BlockVoxels::reconstruct(&target, &target.blocks[b], 0);
                 (stored.premultiplied[0], stored.coverage.map_or(1.0, |c| c[0]))
@@ -142,7 +143,7 @@ fn example() -> (Scene, Target) {
     let two_sided = |scene: &Scene| {
         let target = scene.target(&small_blocks());
         let swapped = swapped(scene).target(&small_blocks());
-        let differs = |v: &[usize; 3]| target.tree.sample(at(*v)) != swapped.tree.sample(at(*v));
+        let differs = |v: &[usize; 3]| target.sample(at(*v)) != swapped.sample(at(*v));
         target.blocks.len() > 3 && voxels(target.lattice.dims).any(|v| differs(&v))
     };
     let scene = (0..)
@@ -202,10 +203,9 @@ fn a_dropped_block_is_seen() {
 #[test]
 fn a_shift_by_one_voxel_is_seen() {
     let (scene, target) = example();
-    let mut moved = scene.clone();
-    moved.lattice.world_from_lattice *= glam::DAffine3::from_translation(DVec3::X);
-    let shifted = moved.target(&small_blocks());
-    assert!(blocks_follow(&target, &shifted.tree).is_err());
+    let frame = *scene.lattice.world_from_grid() * glam::DAffine3::from_translation(DVec3::X);
+    let shifted = Tree::new(&scene.model, &frame).expect("a small tree");
+    assert!(blocks_follow(&target, &shifted).is_err());
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn overflow_is_the_same_in_both() {
     };
     model.fold(sum.op, sum.rule, sum.family, [indeterminate, ball]);
     let target = Target::build(&model, Some(1.0), &small_blocks()).expect("a target");
-    let centre = target.tree.sample(at(target.lattice.dims.map(|n| n / 2)));
+    let centre = target.sample(at(target.lattice.dims.map(|n| n / 2)));
     assert!(centre.value.is_nan() && Interval::point(centre.coverage).contains(1.0));
     assert_eq!(blocks_follow(&target, &target.tree), Ok(()));
 }

@@ -116,10 +116,7 @@ fn impossible_lattices_are_refused() {
         let built = Target::build(&ball, Some(spacing_mm), &Subdivision::default());
         assert!(matches!(built, Err(TargetError::Lattice(_))), "{spacing_mm}");
     }
-    let none = Lattice {
-        dims: [0; 3],
-        world_from_lattice: DAffine3::IDENTITY,
-    };
+    let none = Lattice::new([0; 3], DAffine3::IDENTITY);
     let built = Target::on_lattice(&ball, none, &Subdivision::default()).expect("an empty target");
     assert!(built.blocks.is_empty());
 }

@@ -83,7 +83,7 @@ fn a_part_of_the_last_level_is_that_level() {
         let eye = camera.eye_from_world * part.lattice.world_from_lattice;
         if last.holds(eye.transform_point3(p).z) {
             let (seen, meant) = (
-                part.tree.sample(p).coverage,
+                part.sample(p).coverage,
                 truth.sample(whole_from_part.transform_point3(p)).coverage,
             );
             // The frames' rounding moves a point by some 1e-13 voxels.

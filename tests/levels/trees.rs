@@ -148,9 +148,9 @@ fn a_deformation_keeps_to_its_error_on_every_level() {
     assert_eq!(parts.len(), 4);
     for (level, target) in &parts {
         let (morph, report): (&Morph, _) = target.tree.deformations().next().expect("a deformation");
-        let world = &target.lattice.world_from_lattice;
+        let world = target.lattice.world_from_grid();
         let mut compared = 0;
-        for p in some_places(target.lattice.dims) {
+        for p in some_places(target.lattice.dims).map(|p| target.lattice.grid_point(p)) {
             let source = target.tree.in_space(Some(0), p);
             let truth = morph.spline().inverse(world.transform_point3(p));
             if let Some(truth) = truth.filter(|_| source.is_finite()) {
@@ -188,8 +188,10 @@ fn a_part_of_the_last_level_has_its_colours_and_its_places() {
         };
         let mut covered = 0;
         for p in some_places(part.lattice.dims).filter(is_seen) {
-            let ours = part.tree.color_sample(p);
-            let meant = whole.tree.color_sample(whole_from_part.transform_point3(p));
+            let ours = part.tree.color_sample(part.lattice.grid_point(p));
+            let meant = whole
+                .tree
+                .color_sample(whole.lattice.grid_point(whole_from_part.transform_point3(p)));
             // The frames' rounding moves a point by some 1e-13 voxels.
             let apart = (ours.sample.coverage - meant.sample.coverage)
                 .abs()

@@ -121,9 +121,9 @@ impl Warp {
         Ok(())
     }
 
-    /// Whether both have the same table.
+    /// Whether both have the same table, which what they stand in has no part in.
     pub fn is_like(&self, other: &Self) -> bool {
-        let places = |warp: &Self| (warp.outer, warp.source, warp.domain);
+        let places = |warp: &Self| (warp.source, warp.domain);
         places(self) == places(other) && self.frame == other.frame
     }
 

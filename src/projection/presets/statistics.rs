@@ -93,7 +93,7 @@ impl DataStatistics {
 fn sampled_rows<'a>(target: &'a Target, block: &'a Block, stride: usize) -> impl Iterator<Item = Vec<f32>> + use<'a> {
     let [width, height, depth] = block.extent;
     let columns = block.origin[0]..block.origin[0] + width;
-    let mut evaluator = RowEvaluator::new(&target.tree);
+    let mut evaluator = RowEvaluator::new(target);
     let middle = (height * depth / 2) % stride.min(height * depth);
     (middle..height * depth).step_by(stride).map(move |n| {
         let row = [block.origin[1] + n % height, block.origin[2] + n / height];

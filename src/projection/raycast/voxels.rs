@@ -64,11 +64,14 @@ fn prepare(target: &Target, block: &Block, normals: Option<&SoftNormals>) -> (Ca
     let scales = fraction_scales(target);
     if block.layout == Layout::Uniform {
         let value = scales[0] * block.range.value.lo + scales[1];
-        return (CastBlock::uniform(value, normals.is_some()), CellRanges::uniform(block));
+        return (
+            CastBlock::uniform(value, normals.is_some()),
+            CellRanges::uniform(&target.lattice, block),
+        );
     }
     let apron = if normals.is_some() { Block::REACH } else { Block::APRON };
     let voxels = BlockVoxels::reconstruct(target, block, apron);
-    let cells = CellRanges::new(block, &voxels);
+    let cells = CellRanges::new(&target.lattice, block, &voxels);
     (CastBlock::new(target, block, &voxels, normals), cells)
 }
 
