@@ -264,34 +264,6 @@ fn what_is_far_away_is_nearer_to_the_supersampled_picture() {
 }
 
 #[test]
-fn experiment() {
-    for d in 0..8 {
-        const STEPS: u32 = 120;
-        let look = Look::of_posts(Mode::Composite);
-        let fence = fence(12, 12.0);
-        let mut model = fence.clone();
-        let child = model.root().unwrap();
-        let y = f64::from(d);
-        model.push(vcsg::model::Node::Transform {
-            child,
-            parent_from_child: glam::DAffine3::from_translation(glam::DVec3::Y * y),
-        });
-        let eyes: Vec<Camera> = (0..STEPS)
-            .step_by(3)
-            .map(|n| eye_at(y - 244.0 - 0.2 * f64::from(n), 64))
-            .collect();
-        let worst = |frame: &dyn Fn(&Camera) -> Frame| {
-            let frames: Vec<Frame> = eyes.iter().map(frame).collect();
-            let changes = frames.windows(2).map(|pair| largest_change(&pair[0], &pair[1]));
-            changes.fold(0.0, f32::max)
-        };
-        let blended = worst(&|eye| draw(&model, eye, 4, &look).frame);
-        let switched = worst(&|eye| draw_switched(&model, eye, 4));
-        println!("{d} blended {blended:.4}, switched {switched:.4}");
-    }
-}
-
-#[test]
 fn nothing_pops_when_the_eye_moves() {
     // The fence passes from zone 1, which ends where a pixel covers 4 mm, to zone 2.
     const STEPS: u32 = 120;
