@@ -67,6 +67,11 @@ impl Lattice {
     /// for scenes that are far off, whose points would else be too large to be exact.
     const ANCHORS: f64 = (1 << 20) as f64;
 
+    /// How many voxels before the world's origin the axes of axis-aligned grids begin. Cubes of an octree lie at multiples of their
+    /// size; in binary this is 101010101, so the origin, about which many scenes lie, is about a third of an edge away from the faces of
+    /// cubes of up to 1024 voxels.
+    const ASIDE: f64 = 341.0;
+
     /// The lattice placed by `world_from_lattice`, on the grid that has its point 0 in voxel 0.
     pub fn new(dims: [usize; 3], world_from_lattice: DAffine3) -> Self {
         Self {
@@ -86,7 +91,7 @@ impl Lattice {
     }
 
     /// A lattice on the same grid, from point `first` of this one on.
-    fn moved(&self, first: I64Vec3, dims: [usize; 3]) -> Self {
+    pub(super) fn moved(&self, first: I64Vec3, dims: [usize; 3]) -> Self {
         let first = self.first + first;
         Self {
             dims,
@@ -155,11 +160,11 @@ impl Lattice {
         }
         let world_from_axes = DAffine3 {
             matrix3: glam::DMat3::from_diagonal(DVec3::splat(spacing_mm)),
-            translation: DVec3::splat(0.5 * spacing_mm),
+            translation: DVec3::splat((0.5 - Self::ASIDE) * spacing_mm),
         };
         // Voxel 0 is the layer before the box.
         let dims = cells.to_array().map(|n| n as usize + 2);
-        Ok(Self::on_axes(&world_from_axes, low - 1.0, dims))
+        Ok(Self::on_axes(&world_from_axes, low - 1.0 + Self::ASIDE, dims))
     }
 
     /// A range that holds every value of `model` on the lattice.
@@ -457,7 +462,7 @@ mod tests {
             let corner = lattice.world_bounds().min / 0.3;
             assert!((corner - corner.round()).abs().max_element() < 1e-9, "{corner}");
         }
-        assert_eq!(near.first().to_array(), [-25, 5, -2]);
+        assert_eq!(near.first().to_array(), [-25, 5, -2].map(|n| n + 341));
         assert_eq!(near.dims, [43, 26, 5]);
         assert!(!near.shares_grid(&Lattice::axis_aligned(&near.world_bounds(), 0.31).expect("a lattice")));
     }

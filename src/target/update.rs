@@ -73,15 +73,18 @@ impl Target {
             return Self::on_lattice(model, lattice, subdivision).map(Update::anew);
         }
         let tree = Tree::after(&self.tree, model, lattice.world_from_grid())?;
+        let root = Cube::around(&lattice, subdivision.min_block);
+        let phase = phase(&root, &lattice, subdivision);
         let like = |s: &Subdivision| (s.min_block, s.max_block, s.boundary);
-        if like(subdivision) != like(&self.subdivision) {
+        let is_like = phase == self::phase(&self.octree.root, &self.lattice, &self.subdivision);
+        if like(subdivision) != like(&self.subdivision) || !is_like {
             return Self::of_tree(tree, lattice, subdivision).map(Update::anew);
         }
         let mut changes = Changes::between(&self.tree, &tree);
         changes.boxes.extend(self.lattice.difference(&lattice));
         if subdivision.boundary == Boundary::Centre {
             for changed in &mut changes.boxes {
-                *changed = whole_blocks(changed, subdivision.min_block);
+                *changed = whole_blocks(changed, subdivision.min_block, phase);
             }
         }
         let edit = Edit {
@@ -89,7 +92,6 @@ impl Target {
             changes: &changes,
             shift: shift(&lattice, &self.lattice),
         };
-        let root = Cube::around(&lattice, subdivision.min_block);
         let target = Self::of_tree_after(tree, lattice, subdivision, Before::of(&edit, &root))?;
         Ok(Update {
             kept: edit.kept(&target),
@@ -104,14 +106,21 @@ fn shift(from: &Lattice, to: &Lattice) -> I64Vec3 {
     from.first() - to.first()
 }
 
+/// By how many points the smallest blocks lie beside multiples of their edge on the grid: 0 but for a root that is one of them.
+fn phase(root: &Cube, lattice: &Lattice, subdivision: &Subdivision) -> I64Vec3 {
+    let edge = I64Vec3::splat(subdivision.min_block.max(1) as i64);
+    (I64Vec3::from_array(root.origin) + lattice.first()).rem_euclid(edge)
+}
+
 /// The cells of the smallest blocks that a box touches: under [`Boundary::Centre`] a leaf may fill all of a block that it only
 /// reaches into.
-fn whole_blocks(changed: &Aabb, min_block: usize) -> Aabb {
+fn whole_blocks(changed: &Aabb, min_block: usize, phase: I64Vec3) -> Aabb {
     let edge = min_block.max(1) as f64;
     let touched = changed.expand(DVec3::splat(Block::REACH as f64));
+    let face = phase.as_dvec3() - 0.5;
     Aabb {
-        min: ((touched.min + 0.5) / edge).floor() * edge - 0.5,
-        max: ((touched.max + 0.5) / edge).ceil() * edge - 0.5,
+        min: ((touched.min - face) / edge).floor() * edge + face,
+        max: ((touched.max - face) / edge).ceil() * edge + face,
     }
 }
 
