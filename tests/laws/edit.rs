@@ -8,10 +8,10 @@ use proptest::sample::Index;
 use vcsg::math::{Aabb, Interval, Plane};
 use vcsg::model::deform::Morph;
 use vcsg::model::{Admitted, Boundary, Combine, Model, Node, NodeId, Operator, TransferFunction, ValueMap};
-use vcsg::target::{Block, BlockVoxels, Lattice, Octree, Subdivision, Target, Update, VoxelTarget};
+use vcsg::target::{Block, BlockVoxels, Lattice, Subdivision, Target, Update, VoxelTarget};
 use vcsg::voxelize::{Primitive, Solid};
 
-use super::path::same_bits;
+use super::alike::{same, same_pictures, same_voxels};
 use super::twig::{Leafless, Twig};
 use crate::support::landmarks::landmarks;
 use crate::support::scenes::{Scene, undeformed_scene};
@@ -349,57 +349,6 @@ pub fn updated(target: &Target, model: &Model, lattice: Lattice) -> Update {
     target
         .updated(model, lattice, &target.subdivision)
         .expect("a small target")
-}
-
-/// Whether an updated target with its voxels is the one that was built anew.
-pub fn same(target: &Target, voxels: &[BlockVoxels], anew: &Target) -> Result<(), String> {
-    let text = |found: &dyn std::fmt::Debug| format!("{found:?}");
-    let octree = |t: &Target| -> Octree { t.octree.clone() };
-    let described = |t: &Target| (text(&t.blocks), text(&t.value_range), t.lattice);
-    if octree(target) != octree(anew) || described(target) != described(anew) {
-        return Err(format!(
-            "{:?} with {:?}, not {:?}",
-            target.blocks, target.octree, anew.blocks
-        ));
-    }
-    if target.paths != anew.paths {
-        return Err(format!("paths {:?}, not {:?}", target.paths, anew.paths));
-    }
-    let truth = VoxelTarget::new(anew).voxels;
-    for ((found, true_voxels), block) in voxels.iter().zip(&truth).zip(&anew.blocks) {
-        same_voxels(found, true_voxels).map_err(|what| format!("{block:?}: {what}"))?;
-    }
-    Ok(())
-}
-
-/// Whether all that a picture of a block that is kept can depend on is as it was.
-fn same_pictures(before: &Target, update: &Update) -> Result<(), String> {
-    for (block, kept) in update.target.blocks.iter().zip(&update.kept) {
-        if let Some(kept) = kept.map(|index| &before.blocks[index as usize]) {
-            let was = BlockVoxels::reconstruct(before, kept, Block::REACH);
-            let is = BlockVoxels::reconstruct(&update.target, block, Block::REACH);
-            same_voxels(&was, &is).map_err(|what| format!("{block:?} was kept: {what}"))?;
-        }
-    }
-    Ok(())
-}
-
-fn same_voxels(found: &BlockVoxels, truth: &BlockVoxels) -> Result<(), String> {
-    let equal = |a: &[f32], b: &[f32]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_bits(*a, *b));
-    let [found_coverage, true_coverage] = [found, truth].map(|v| v.coverage.as_deref().unwrap_or(&[]));
-    if found.dims != truth.dims || found.apron != truth.apron {
-        return Err(format!("{:?} voxels, not {:?}", found.dims, truth.dims));
-    }
-    if !equal(&found.premultiplied, &truth.premultiplied) || !equal(found_coverage, true_coverage) {
-        return Err("other voxels".into());
-    }
-    let colors = |v: &BlockVoxels| v.rgb().map(|rgb| rgb.as_flattened().to_vec());
-    match (colors(found), colors(truth)) {
-        (None, None) => {}
-        (Some(a), Some(b)) if equal(&a, &b) => {}
-        _ => return Err("other colours".into()),
-    }
-    Ok(())
 }
 
 proptest! {

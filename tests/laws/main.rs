@@ -3,6 +3,7 @@
 //! Every law is a function that returns `Err` with what it saw; beside the test that it holds there is one that it fails on a
 //! deliberate mistake.
 
+mod alike;
 mod bounds;
 mod edit;
 mod horizon;

@@ -10,7 +10,8 @@ use vcsg::target::{Block, Lattice, Subdivision, Target, Update, VoxelTarget};
 use vcsg::volume::{Bricks, Grid, Voxels};
 use vcsg::voxelize::{Primitive, Solid};
 
-use crate::edit::{ball, same, updated};
+use crate::alike::same;
+use crate::edit::{ball, updated};
 use crate::support::landmarks::landmarks;
 use crate::support::{parts, seeded};
 
