@@ -52,8 +52,11 @@ impl Bake {
         let mut stages = Stages::default();
         let scene = stages.time("load", || self.source.load())?;
         let volumes = match self.levels {
-            Some(count) => self.levels(scene, count, &mut stages)?,
-            None => vec![self.volume(&scene, self.output.clone(), &mut stages)?],
+            Some(count) => self.levels(&scene, count, &mut stages)?,
+            None => {
+                let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
+                vec![self.volume(&target, self.output.clone(), &mut stages)?]
+            }
         };
         let mut described = Vec::new();
         for volume in volumes {
@@ -77,7 +80,7 @@ impl Bake {
     }
 
     /// All levels, each beside its place: none is put there before all are written.
-    fn levels(&self, mut scene: Scene, count: u32, stages: &mut Stages) -> Result<Vec<Volume>, CliError> {
+    fn levels(&self, scene: &Scene, count: u32, stages: &mut Stages) -> Result<Vec<Volume>, CliError> {
         let paths = (0..count).map(|level| self.level_path(level));
         if let Some(folder) = paths.clone().find(|path| path.is_dir()) {
             return Err(CliError::Usage(format!("{}: it is a folder", folder.display())));
@@ -86,12 +89,14 @@ impl Bake {
             let why = "levels are not coarsened: use a larger --spacing or --budget-mib";
             return Err(CliError::Usage(why.into()));
         }
-        let model = scene.model.clone();
-        let levels = Levels::new(&model, scene.target.spacing_mm, count)?;
+        let levels = Levels::new(&scene.model, scene.target.spacing_mm, count)?;
         let mut volumes = Vec::new();
         for (level, path) in (0..count).zip(paths) {
-            scene.target.spacing_mm = levels.spacing_mm(level);
-            volumes.push(self.volume(&scene, path, stages)?);
+            let lattice = levels.whole(level)?;
+            let target = stages.time("subdivide", || {
+                Target::on_lattice(&scene.model, lattice, &scene.target.subdivision())
+            })?;
+            volumes.push(self.volume(&target, path, stages)?);
         }
         Ok(volumes)
     }
@@ -108,9 +113,8 @@ impl Bake {
     }
 
     /// Samples and writes, beside `path`.
-    fn volume(&self, scene: &Scene, path: PathBuf, stages: &mut Stages) -> Result<Volume, CliError> {
-        let target = stages.time("subdivide", || scene.target.build(&scene.model))?;
-        let grid = stages.time("reconstruct", || baked(&target, self.outside))?;
+    fn volume(&self, target: &Target, path: PathBuf, stages: &mut Stages) -> Result<Volume, CliError> {
+        let grid = stages.time("reconstruct", || baked(target, self.outside))?;
         let encoding = if self.raw { Encoding::Raw } else { Encoding::Gzip };
         let description = json!({
             "volume": path,

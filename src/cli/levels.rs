@@ -36,8 +36,8 @@ pub(super) fn draw(
     let levels = Levels::new(&scene.model, options.spacing_mm, options.levels)?;
     // Statistics of the values are those of the whole model, wherever the eye is; the coarsest level is the cheapest to look at.
     let transfer = stages.time("transfer", || {
-        let coarsest = levels.spacing_mm(levels.count - 1);
-        let whole = Target::build(&scene.model, coarsest, &subdivision)?;
+        let coarsest = levels.whole(levels.count - 1)?;
+        let whole = Target::on_lattice(&scene.model, coarsest, &subdivision)?;
         Ok::<_, CliError>(transfer_function(scene, &whole))
     })?;
     let spec = LevelsSpec {

@@ -125,13 +125,7 @@ impl Lattice {
     /// # Errors
     /// If the model is empty or unbounded, or the spacing impossible.
     pub(super) fn of_tree(tree: &Tree, spacing_mm: Option<f64>) -> Result<Self, LatticeError> {
-        let bounds = tree.bounds_in(&DAffine3::IDENTITY);
-        if bounds.is_empty() {
-            return Err(LatticeError::Empty);
-        }
-        if !bounds.is_finite() {
-            return Err(LatticeError::Unbounded);
-        }
+        let bounds = finite_bounds(tree)?;
         match (spacing_mm, common_lattice(tree)) {
             (Some(spacing), _) => Self::axis_aligned(&bounds, spacing),
             (None, Some(volume)) if volume.serves(tree) => match tree.bounds_in(&volume.world_from_index) {
@@ -149,18 +143,32 @@ impl Lattice {
     /// # Errors
     /// If the spacing is not above 0 or gives too many voxels.
     pub fn axis_aligned(bounds: &Aabb, spacing_mm: f64) -> Result<Self, LatticeError> {
+        Self::with_point(bounds, spacing_mm, 0.5 * spacing_mm)
+    }
+
+    /// The like of a model, flattened in the world, with a point of the grid at `point_mm` on every axis.
+    ///
+    /// # Errors
+    /// As [`Self::of_tree`].
+    pub(super) fn of_tree_with_point(tree: &Tree, spacing_mm: f64, point_mm: f64) -> Result<Self, LatticeError> {
+        Self::with_point(&finite_bounds(tree)?, spacing_mm, point_mm)
+    }
+
+    fn with_point(bounds: &Aabb, spacing_mm: f64, point_mm: f64) -> Result<Self, LatticeError> {
         if !(spacing_mm.is_finite() && spacing_mm > 0.0) {
             return Err(LatticeError::Spacing(spacing_mm));
         }
-        let low = (bounds.min / spacing_mm + 1e-6).floor();
-        let cells = ((bounds.max / spacing_mm - 1e-6).ceil() - low).max(DVec3::ONE);
+        // Ends in voxels from the first face of the point's cell.
+        let [min, max] = [bounds.min, bounds.max].map(|end| (end - point_mm) / spacing_mm + 0.5);
+        let low = (min + 1e-6).floor();
+        let cells = ((max - 1e-6).ceil() - low).max(DVec3::ONE);
         let voxels = (bounds.size() / spacing_mm).max_element().max(cells.max_element()) + 2.0;
         if voxels > Self::MAX_DIM as f64 || !low.is_finite() {
             return Err(LatticeError::TooFine { voxels, spacing_mm });
         }
         let world_from_axes = DAffine3 {
             matrix3: glam::DMat3::from_diagonal(DVec3::splat(spacing_mm)),
-            translation: DVec3::splat((0.5 - Self::ASIDE) * spacing_mm),
+            translation: DVec3::splat(point_mm - Self::ASIDE * spacing_mm),
         };
         // Voxel 0 is the layer before the box.
         let dims = cells.to_array().map(|n| n as usize + 2);
@@ -270,6 +278,18 @@ impl Lattice {
     /// Whether it has no voxel; never, for a lattice made here.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+}
+
+/// The box of a model that is flattened in the world.
+fn finite_bounds(tree: &Tree) -> Result<Aabb, LatticeError> {
+    let bounds = tree.bounds_in(&DAffine3::IDENTITY);
+    if bounds.is_empty() {
+        Err(LatticeError::Empty)
+    } else if bounds.is_finite() {
+        Ok(bounds)
+    } else {
+        Err(LatticeError::Unbounded)
     }
 }
 

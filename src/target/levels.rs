@@ -53,7 +53,7 @@ impl<'a> Levels<'a> {
             has_volume: crisp.leaves().iter().any(is_volume),
         };
         for level in 0..levels.count {
-            let lattice = levels.lattice(level, &levels.in_world(level, None)?)?;
+            let lattice = levels.whole(level)?;
             let tree = Tree::new(model, lattice.world_from_grid())?;
             levels.bounds = levels.bounds.hull(&lattice.world_bounds());
             levels.value_range = levels.value_range.hull(value_range(&tree, &lattice));
@@ -66,12 +66,12 @@ impl<'a> Levels<'a> {
         self.base.spacing_mm().max_element() * Grade::WIDER.powi(level as i32)
     }
 
-    /// The spacing that a whole level is built with; the model's own where that is the base's.
-    pub fn spacing_mm(&self, level: u32) -> Option<f64> {
-        match level {
-            0 => self.spacing_mm,
-            _ => Some(self.voxel_mm(level)),
-        }
+    /// The lattice of a whole level. Axis-aligned ones lie on one another: of each the points are points of the one before.
+    ///
+    /// # Errors
+    /// If the model cannot be flattened, or has too many voxels.
+    pub fn whole(&self, level: u32) -> Result<Lattice, TargetError> {
+        self.lattice(level, &self.in_world(level, None)?)
     }
 
     /// The part of a level that `planes` (world) do not cut away, with filters that change to the next level's as pixels of
@@ -117,11 +117,12 @@ impl<'a> Levels<'a> {
 
     /// The whole lattice of a level for `tree`, flattened in the world.
     fn lattice(&self, level: u32, tree: &Tree) -> Result<Lattice, TargetError> {
-        let spacing_mm = if self.has_volume {
-            self.spacing_mm(level)
+        let spacing_mm = self.voxel_mm(level);
+        let lattice = if self.has_volume && level == 0 {
+            Lattice::of_tree(tree, self.spacing_mm)
         } else {
-            Some(self.voxel_mm(level))
+            Lattice::of_tree_with_point(tree, spacing_mm, 0.5 * self.voxel_mm(0))
         };
-        Ok(Lattice::of_tree(tree, spacing_mm)?)
+        Ok(lattice?)
     }
 }

@@ -96,9 +96,14 @@ pub fn pages_follow_edits() {
 pub fn blocks_that_should_have_been_made_anew_are_out_of_bounds() {
     on_device(|bench| {
         let stale = |before: &Target, update: Update| {
-            let cube = |b: &vcsg::target::Block| (b.origin, b.size, b.layout);
+            let cube = |target: &Target, b: &vcsg::target::Block| {
+                let first = target.lattice.first().to_array();
+                let origin = [0, 1, 2].map(|a| b.origin[a] as i64 + first[a]);
+                (origin, b.extent, b.size, b.layout)
+            };
             let kept = update.target.blocks.iter().map(|block| {
-                let same = before.blocks.iter().position(|old| cube(old) == cube(block));
+                let is_same = |old: &vcsg::target::Block| cube(before, old) == cube(&update.target, block);
+                let same = before.blocks.iter().position(is_same);
                 same.map(|old| old as u32)
             });
             Update {

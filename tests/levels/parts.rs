@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vcsg::model::Tree;
 use vcsg::projection::levels::{Zones, footprint};
-use vcsg::target::{Lattice, Levels, Subdivision, Target};
+use vcsg::target::{Levels, Subdivision, Target};
 
 use crate::row::{eye_at, posts};
 
@@ -72,7 +72,7 @@ fn a_part_of_the_last_level_is_that_level() {
     let zones = Zones::new(&levels, &camera, 1.0);
     let (level, part) = targets(&levels, -30.0).pop().expect("a zone");
     assert_eq!(level, 2);
-    let whole = Lattice::of_model(&model, levels.spacing_mm(level)).expect("a lattice");
+    let whole = levels.whole(level).expect("a lattice");
     let truth = Tree::new(&model, &whole.world_from_lattice).expect("a tree");
     let whole_from_part = whole.world_from_lattice.inverse() * part.lattice.world_from_lattice;
     let last = zones.zones.last().expect("a zone");

@@ -177,7 +177,8 @@ fn a_part_of_the_last_level_has_its_colours_and_its_places() {
         let zones = Zones::new(&levels, &camera, 1.0);
         let (level, part) = parts(&levels, &camera).pop().expect("a zone");
         assert_eq!(level, 3);
-        let whole = Target::build(&model, levels.spacing_mm(level), &subdivision()).expect("the whole level");
+        let lattice = levels.whole(level).expect("a lattice");
+        let whole = Target::on_lattice(&model, lattice, &subdivision()).expect("the whole level");
         let whole_from_part = whole.lattice.world_from_lattice.inverse() * part.lattice.world_from_lattice;
         let last = zones.zones.last().expect("a zone");
         let eye = camera.eye_from_world * part.lattice.world_from_lattice;
