@@ -1,10 +1,7 @@
 //! Compressed frames, through the crates that decode them.
 //!
 //! *Practice.* Each stream's own header is read first, and must declare the image that the data set declares: so no codec makes
-//! room for another, and what that takes was checked against the bytes there. A codec that panics on damaged data is stopped at
-//! this file's door. RLE is 20 lines, and here, since the crates' readers of it trust a declared number of segments.
-
-use std::panic::{AssertUnwindSafe, catch_unwind};
+//! room for another, and what that takes was checked against the bytes there. RLE is 20 lines, and here, since the crates' readers of it trust a declared number of segments.
 
 use charls::CharLS;
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
@@ -12,6 +9,7 @@ use jpeg_decoder::{CodingProcess, ColorTransform, Decoder, PixelFormat};
 
 use super::jpeg12;
 use super::layout::{Colour, Layout};
+use crate::volume::io::caught::caught;
 
 /// How frames are compressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,16 +62,14 @@ impl Codec {
 
     /// The stored values of a compressed frame, and whether its chromas are gone.
     pub(super) fn decode(self, stream: &[u8], layout: &Layout) -> Result<(Vec<i64>, bool), String> {
-        // The codecs are crates whose authors did not promise never to panic. Nothing of theirs outlives the call.
-        let decoded = catch_unwind(AssertUnwindSafe(|| match self {
+        let frame = caught(|| match self {
             Self::Native => Err("it is not compressed".into()),
             Self::Rle => rle(stream, layout),
             Self::Jpeg if jpeg12::is_twelve_bit(stream) => twelve_bit(stream, layout),
             Self::Jpeg => jpeg(stream, layout),
             Self::JpegLs => jpeg_ls(stream, layout),
             Self::Jpeg2000 => jpeg_2000(stream, layout),
-        }));
-        let frame = decoded.unwrap_or_else(|_| Err("its codec gave up".into()))?;
+        })?;
         let expected = layout.pixels() * layout.samples;
         if frame.samples.len() != expected {
             return Err(format!("it holds {} samples of {expected}", frame.samples.len()));

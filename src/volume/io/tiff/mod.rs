@@ -105,6 +105,8 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         return Err(ReadError::unsupported(path, what).hint("volumes in time are counted from 0"));
     }
     let layout = pages.layout.clone();
+    // A page is in memory as a whole.
+    options.budget.check(path, layout.bytes())?;
     let (channel, within) = match channels {
         1 => (0, options.component),
         _ => (options.component.unwrap_or(0), None),
@@ -183,15 +185,16 @@ fn contiguous(path: &Path, pages: &Pages, stack: &Stack) -> Result<Option<Contig
 }
 
 /// The only page of a file that is one slice of several, and millimetres between its pixels, as far as they are known.
-pub(super) fn picture(path: &Path, component: Option<usize>) -> Result<(Picture, [Option<f64>; 3]), ReadError> {
+pub(super) fn picture(path: &Path, options: &ReadOptions) -> Result<(Picture, [Option<f64>; 3]), ReadError> {
     let mut pages = Pages::open(path)?;
+    options.budget.check(path, pages.layout.bytes())?;
     if pages.count() != 1 {
         let what = format!("it has {} pages, where a file is one slice", pages.count());
         return Err(ReadError::unsupported(path, what).hint("open it by itself"));
     }
     let picture = Picture {
         dims: pages.layout.dims,
-        components: pages.layout.components(path, component)?,
+        components: pages.layout.components(path, options.component)?,
         numbers: pages.read(0)?,
     };
     Ok((picture, stack(path, &pages)?.spacing))

@@ -106,7 +106,7 @@ impl Pages {
         let mut limits = Limits::default();
         limits.ifd_value_size = usize::try_from(length).unwrap_or(usize::MAX);
         limits.intermediate_buffer_size = limits.ifd_value_size;
-        limits.decoding_buffer_size = usize::try_from(MAX_PAGE).unwrap_or(usize::MAX);
+        limits.decoding_buffer_size = usize::try_from(MAX_PAGE.min(length.saturating_mul(MAX_RATIO))).unwrap_or(usize::MAX);
         decoder = decoder.with_limits(limits);
         let mut first = None;
         let (mut directories, mut is_compressed) = (Vec::new(), false);
@@ -135,7 +135,7 @@ impl Pages {
         see(&mut decoder, directory).map_err(at)?;
         let mut pages = Self {
             path: path.to_owned(),
-            description: description(&mut decoder).map_err(at)?,
+            description: description(&mut decoder, length).map_err(at)?,
             resolution: resolution(&mut decoder).map_err(at)?,
             contiguous: None,
             decoder,
@@ -290,9 +290,15 @@ fn layout<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Layout, String> {
     Layout::new(dims, color, &SampleFormat::from_u16_exhaustive(format), is_planar)
 }
 
-fn description<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<String, TiffError> {
+/// The page's description, in a file of so many bytes. The crate would make room for any length that is declared.
+fn description<R: Read + Seek>(decoder: &mut Decoder<R>, length: u64) -> Result<String, TiffError> {
     let mut value = ValueBuffer::empty(Type::ASCII);
-    let found = decoder.image_ifd().find_tag_buf(Tag::ImageDescription, &mut value)?;
+    let mut directory = decoder.image_ifd();
+    let entry = directory.find_entry(Tag::ImageDescription);
+    if entry.is_some_and(|entry| entry.count() > length) {
+        return Err(TiffError::LimitsExceeded);
+    }
+    let found = directory.find_tag_buf(Tag::ImageDescription, &mut value)?;
     let bytes = if found.is_some() { value.as_bytes() } else { &[] };
     let text = String::from_utf8(bytes.to_vec()).unwrap_or_else(|_| bytes.iter().map(|b| char::from(*b)).collect());
     Ok(text.trim_end_matches('\0').to_owned())
