@@ -65,6 +65,8 @@ fn text<'a>(bytes: &mut &'a [u8]) -> Option<&'a str> {
 
 /// A path that stays in `folder`.
 fn inside(folder: &Path, name: &str) -> Option<PathBuf> {
-    let stays = Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
+    let stays = Path::new(name)
+        .components()
+        .all(|part| matches!(part, Component::Normal(_)));
     (stays && !name.contains('\0')).then(|| folder.join(name))
 }

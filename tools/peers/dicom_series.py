@@ -1,4 +1,4 @@
-"""Writes a volume of numpy's as a DICOM series of JPEG 2000, lossless, a file a slice: dicom_series.py FOLDER.
+"""Writes a DICOM series of JPEG 2000, lossless, a file a slice, into a folder: dicom_series.py FOLDER.
 
 The volume is the CT head that setup brings, made 512 x 512 pixels, under noise of three bits as a scanner's.
 """

@@ -214,7 +214,10 @@ fn decoded(path: &Path, budget: Budget) -> Result<DynamicImage, ReadError> {
     let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
     let mut reader = reader.map_err(io_error)?;
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err(ReadError::unsupported(path, "it is neither PNG nor JPEG, whatever its name says"));
+        return Err(ReadError::unsupported(
+            path,
+            "it is neither PNG nor JPEG, whatever its name says",
+        ));
     }
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(budget.bytes());

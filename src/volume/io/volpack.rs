@@ -93,5 +93,9 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         components: 1,
         notes: vec!["the file gives no spacing: it is taken to be 1 mm".to_owned()],
     };
-    Opened::new(path.to_owned(), declared, payload.chunks(path, &[stretch], 0, options.budget)?)
+    Opened::new(
+        path.to_owned(),
+        declared,
+        payload.chunks(path, &[stretch], 0, options.budget)?,
+    )
 }

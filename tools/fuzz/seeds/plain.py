@@ -98,5 +98,4 @@ def volpack():
 
 def raw():
     yield bytes(7) + VALUES.tobytes()
-    yield VALUES.tobytes()
     yield bytes(7) + VALUES.astype(">i2").tobytes() + bytes(9)

@@ -3,10 +3,10 @@
 //! *Practice.* Each stream's own header is read first, and must declare the image that the data set declares: so no codec makes
 //! room for another, and what that takes was checked against the bytes there. RLE is 20 lines, and here, since the crates' readers of it trust a declared number of segments.
 
-use charls::CharLS;
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 use jpeg_decoder::{CodingProcess, ColorTransform, Decoder, PixelFormat};
 
+use super::jpeg_ls;
 use super::jpeg12;
 use super::layout::{Colour, Layout};
 use crate::volume::io::caught::caught;
@@ -67,7 +67,7 @@ impl Codec {
             Self::Rle => rle(stream, layout),
             Self::Jpeg if jpeg12::is_twelve_bit(stream) => twelve_bit(stream, layout),
             Self::Jpeg => jpeg(stream, layout),
-            Self::JpegLs => jpeg_ls(stream, layout),
+            Self::JpegLs => near_lossless(stream, layout),
             Self::Jpeg2000 => jpeg_2000(stream, layout),
         })?;
         let expected = layout.pixels() * layout.samples;
@@ -212,26 +212,11 @@ fn words(bytes: &[u8]) -> Vec<i64> {
         .collect()
 }
 
-fn jpeg_ls(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
-    let mut decoder = CharLS::default();
-    let info = decoder.get_frame_info(stream).map_err(|e| e.to_string())?;
-    check(
-        layout,
-        [info.width as usize, info.height as usize, info.component_count as usize],
-    )?;
-    let bytes = CharLS::default().decode(stream).map_err(|e| e.to_string())?;
-    let mut samples: Vec<i64> = match info.bits_per_sample {
-        ..=8 => bytes.into_iter().map(i64::from).collect(),
-        _ => words(&bytes),
-    };
-    // A scan of one component holds its plane.
-    let planes = jpeg12::segments(stream).any(|(marker, segment, _)| marker == 0xda && segment.first() == Some(&1));
-    if planes && layout.samples > 1 {
-        samples = interleaved(&samples, layout);
-    }
+fn near_lossless(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
+    let image = jpeg_ls::decode(stream, |size| check(layout, size))?;
     Ok(Frame {
-        samples,
-        precision: info.bits_per_sample as u32,
+        samples: image.samples.into_iter().map(i64::from).collect(),
+        precision: image.precision,
         is_rgb: false,
     })
 }

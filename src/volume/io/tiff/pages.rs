@@ -14,14 +14,18 @@ use tiff::tags::{
     ByteOrder as TiffOrder, CompressionMethod, PlanarConfiguration, SampleFormat, Tag, Type, ValueBuffer,
 };
 
+use super::lzw_tiles::LzwTiles;
 use super::page::Layout;
 use super::shown::Shown;
 use crate::volume::grid::Voxels;
 use crate::volume::io::error::{Problem, ReadError};
 use crate::volume::io::stored::{ByteOrder, Stored, decode};
 
-/// No compression that is read makes less of so many bytes than one: the best is fax's, a bit for a white row.
-const MAX_RATIO: u64 = 1 << 13;
+/// No compression that is read makes less of so many bytes than one: the best is Zstandard's, four bytes for 128 KiB that are equal.
+const MAX_RATIO: u64 = 1 << 15;
+
+/// How many slices a page holds, and a tile: SGI's tags of volumes in one page.
+const DEPTHS: [Tag; 2] = [Tag::Unknown(32997), Tag::Unknown(32998)];
 
 /// The largest page that is believed, bytes.
 const MAX_PAGE: u64 = 1 << 32;
@@ -106,7 +110,8 @@ impl Pages {
         let mut limits = Limits::default();
         limits.ifd_value_size = usize::try_from(length).unwrap_or(usize::MAX);
         limits.intermediate_buffer_size = limits.ifd_value_size;
-        limits.decoding_buffer_size = usize::try_from(MAX_PAGE.min(length.saturating_mul(MAX_RATIO))).unwrap_or(usize::MAX);
+        limits.decoding_buffer_size =
+            usize::try_from(MAX_PAGE.min(length.saturating_mul(MAX_RATIO))).unwrap_or(usize::MAX);
         decoder = decoder.with_limits(limits);
         let mut first = None;
         let (mut directories, mut is_compressed) = (Vec::new(), false);
@@ -118,6 +123,13 @@ impl Pages {
             see(&mut decoder, directory).map_err(at)?;
             if is_reduced(&mut decoder).map_err(at)? {
                 continue;
+            }
+            if is_deep(&mut decoder).map_err(at)? {
+                return Err(unsupported(
+                    path,
+                    directory,
+                    "pages of several slices (ImageDepth) are not read",
+                ));
             }
             let layout = layout(&mut decoder).map_err(|e| unsupported(path, directory, &e))?;
             match &first {
@@ -184,8 +196,17 @@ impl Pages {
         let directory = self.directories[page];
         let mut pixels = DecodingResult::U8(Vec::new());
         let decoder = &mut self.decoder;
-        let read = see(decoder, directory).and_then(|()| decoder.read_image_to_buffer(&mut pixels));
-        read.map_err(|e| error(&self.path, directory, e))?;
+        let at = |e| error(&self.path, directory, e);
+        see(decoder, directory).map_err(at)?;
+        match LzwTiles::of(decoder, &self.layout).map_err(at)? {
+            Some(tiles) => {
+                let read = tiles.read(decoder.inner(), &self.layout);
+                pixels = read.map_err(|e| at(TiffError::IoError(e)))?;
+            }
+            None => {
+                decoder.read_image_to_buffer(&mut pixels).map_err(at)?;
+            }
+        }
         let numbers = self.layout.numbers(pixels);
         let (expected, found) = (self.layout.pixels() * self.layout.samples, numbers.len());
         match expected == found {
@@ -277,6 +298,17 @@ fn is_reduced<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<bool, TiffErro
     let new: Option<u32> = decoder.find_tag_unsigned(Tag::NewSubfileType)?;
     let old: Option<u16> = decoder.find_tag_unsigned(Tag::SubfileType)?;
     Ok(new.is_some_and(|flags| flags & 0b101 != 0) || (new.is_none() && old == Some(2)))
+}
+
+/// Whether the page holds several slices.
+fn is_deep<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<bool, TiffError> {
+    for tag in DEPTHS {
+        let depth: Option<u32> = decoder.find_tag_unsigned(tag)?;
+        if depth.is_some_and(|depth| depth > 1) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 fn layout<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Layout, String> {
