@@ -167,11 +167,11 @@ impl Opened {
 }
 
 /// Hands `parts` over to `put`, while the next are read on a thread of their own.
-fn read_ahead(parts: Parts, mut put: impl FnMut(Part) -> Result<(), ReadError>) -> Result<(), ReadError> {
+fn read_ahead(mut parts: Parts, mut put: impl FnMut(Part) -> Result<(), ReadError>) -> Result<(), ReadError> {
     let (sender, receiver) = mpsc::sync_channel(PARTS_AHEAD);
     thread::scope(|scope| {
         // Who takes no more of them after an error lets the thread end.
-        scope.spawn(move || parts.into_iter().try_for_each(|part| sender.send(part)).ok());
+        scope.spawn(move || parts.try_for_each(|part| sender.send(part)).ok());
         receiver.into_iter().try_for_each(|part| put(part?))
     })
 }

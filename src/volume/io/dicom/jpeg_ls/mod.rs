@@ -34,6 +34,15 @@ struct Frame {
     components: Vec<u8>,
 }
 
+/// How a scan's components follow each other.
+#[derive(Clone, Copy)]
+enum Interleaving {
+    /// Line by line; there may be one component alone.
+    Lines,
+    /// Pixel by pixel.
+    Samples,
+}
+
 /// What lies between the start of the image and its end.
 struct Decoder<'a> {
     stream: &'a [u8],
@@ -160,10 +169,10 @@ impl Decoder<'_> {
             at = end;
             match marker {
                 SCAN => {
-                    let (components, parameters, by_sample) =
+                    let (components, parameters, interleaving) =
                         self.scan_header(segment).ok_or("its JPEG-LS scan header is damaged")?;
                     let damaged = |_: Damaged| "the coded samples of its JPEG-LS stream are damaged".to_owned();
-                    at = self.scan(at, &components, &parameters, by_sample).map_err(damaged)?;
+                    at = self.scan(at, &components, &parameters, interleaving).map_err(damaged)?;
                     left = left.saturating_sub(components.len());
                 }
                 _ => other(marker, segment, &mut self.preset, &mut self.restart)?,
@@ -172,16 +181,21 @@ impl Decoder<'_> {
         Ok(())
     }
 
-    /// The scan's components, its parameters, and whether samples of a pixel are together.
-    fn scan_header(&self, segment: &[u8]) -> Option<(Vec<usize>, Parameters, bool)> {
+    /// The scan's components, its parameters, and how the components follow each other.
+    fn scan_header(&self, segment: &[u8]) -> Option<(Vec<usize>, Parameters, Interleaving)> {
         let (&count, rest) = segment.split_first()?;
         let (selectors, rest) = rest.split_at_checked(2 * usize::from(count))?;
-        let [near, interleaving, ..] = *rest else { return None };
+        let [near, mode, ..] = *rest else { return None };
         let index = |name: u8| self.frame.components.iter().position(|component| *component == name);
         let components: Option<Vec<usize>> = selectors.chunks_exact(2).map(|selector| index(selector[0])).collect();
-        let components = components.filter(|all| !all.is_empty() && (all.len() == 1 || interleaving > 0))?;
+        let components = components.filter(|all| !all.is_empty() && (all.len() == 1 || mode > 0))?;
         let parameters = Parameters::new(self.frame.precision, i32::from(near), self.preset)?;
-        (interleaving <= 2).then_some((components, parameters, interleaving == 2))
+        let interleaving = match mode {
+            0 | 1 => Interleaving::Lines,
+            2 => Interleaving::Samples,
+            _ => return None,
+        };
+        Some((components, parameters, interleaving))
     }
 
     /// Decodes the scan at `at`; where it ends.
@@ -190,7 +204,7 @@ impl Decoder<'_> {
         mut at: usize,
         components: &[usize],
         parameters: &Parameters,
-        by_sample: bool,
+        interleaving: Interleaving,
     ) -> Result<usize, Damaged> {
         let Frame { width, height, .. } = self.frame;
         let interval = if self.restart == 0 { height } else { self.restart };
@@ -205,9 +219,9 @@ impl Decoder<'_> {
             }
             let mut scan = Scan::new(Bits::new(self.stream, at), parameters, width, components.len());
             for y in first..height.min(first + interval) {
-                match by_sample {
-                    true => put(&mut self.samples, &self.frame, y, components, scan.by_sample()?),
-                    false => put(&mut self.samples, &self.frame, y, components, scan.by_line()?),
+                match interleaving {
+                    Interleaving::Samples => put(&mut self.samples, &self.frame, y, components, scan.by_sample()?),
+                    Interleaving::Lines => put(&mut self.samples, &self.frame, y, components, scan.by_line()?),
                 }
             }
             at = scan.bits.end();
@@ -266,7 +280,11 @@ mod tests {
         let value = |i: usize, noise: &mut dyn FnMut(u32) -> u32| {
             let (x, y) = (i / components % width, i / components / width);
             let flat = (x / 5 + y / 3) as u32 % 4 * (most / 5);
-            let detail = if (x / 7 + y / 4) % 3 == 0 { noise(rough + 1) } else { 0 };
+            let detail = if (x / 7 + y / 4).is_multiple_of(3) {
+                noise(rough + 1)
+            } else {
+                0
+            };
             (flat + detail + (x * y) as u32 / 9 * u32::from(x % 11 > 5)).min(most) as u16
         };
         (0..width * height * components).map(|i| value(i, &mut noise)).collect()
