@@ -1,7 +1,7 @@
 //! Reading volume files against SimpleITK, which is ITK's reader: the same files, which the system holds in memory. Of DICOM both decode
 //! on all threads: ours slice by slice, theirs (OpenJPEG) blocks within a slice.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
@@ -89,7 +89,7 @@ fn noise() -> Outcome<Grid> {
     Ok(Grid::new([SIDE; 3], DAffine3::IDENTITY, Voxels::I16(voxels.collect()))?)
 }
 
-fn compare_one(what: String, path: &PathBuf, repetitions: usize) -> Outcome<Comparison> {
+fn compare_one(what: String, path: &Path, repetitions: usize) -> Outcome<Comparison> {
     let named = path.to_str().ok_or("a path of readable characters")?;
     let (mut peer, file): (Peer, PeerFile) = Peer::start("tools/peers/itk_read.py", &["--path", named])?;
     let open = || io::open(path, &ReadOptions::default());
