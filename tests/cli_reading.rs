@@ -43,6 +43,43 @@ fn a_volume_beyond_the_budget_is_refused_with_what_to_do() {
     assert!(info.status.success() && info.stderr.is_empty());
 }
 
+/// A bar is drawn where stderr is a terminal: one is made by `script`, of Debian's essential bsdutils.
+#[test]
+fn a_terminal_sees_how_much_has_come_and_how_fast() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.nrrd");
+    let voxels = (0..256 * 256 * 64).map(|n: u32| (n.wrapping_mul(2_654_435_761) >> 24) as u8);
+    let grid = Grid::new([256, 256, 64], DAffine3::IDENTITY, Voxels::U8(voxels.collect())).unwrap();
+    write_nrrd(&path, &grid, Encoding::Raw).unwrap();
+    let info = format!("'{}' info '{}'", env!("CARGO_BIN_EXE_vcsg"), path.display());
+    let shown = Command::new("script")
+        .args(["-qec", &info, "/dev/null"])
+        .output()
+        .unwrap();
+    assert!(shown.status.success());
+    let text = String::from_utf8(shown.stdout).unwrap();
+    let (bars, result) = text.rsplit_once("load").unwrap_or_else(|| panic!("no bar in {text:?}"));
+    assert!(
+        result.contains("256 x 256 x 64 voxels") && !bars.contains("voxels"),
+        "{text:?}"
+    );
+    // Each bar takes the place of the one before, and the last one goes away.
+    let bars: Vec<&str> = text.split("\u{1b}[2K").collect();
+    assert!(bars.len() > 1 && !bars[bars.len() - 1].contains("load"), "{text:?}");
+    let percents = bars[..bars.len() - 1].iter().map(|bar| {
+        assert!(bar.contains("load") && bar.contains("iB/s"), "{bar:?}");
+        let number = bar.split(" %").next().and_then(|start| start.split_whitespace().last());
+        number
+            .and_then(|number| number.parse::<u32>().ok())
+            .unwrap_or_else(|| panic!("{bar:?}"))
+    });
+    let percents: Vec<u32> = percents.collect();
+    assert!(
+        percents.is_sorted() && percents.iter().all(|p| (1..=100).contains(p)),
+        "{percents:?}"
+    );
+}
+
 #[test]
 fn a_zarr_folder_is_a_volume() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,13 +1,17 @@
-//! Damaged files of every header format are read or refused, and never more than that.
+//! Damaged files of every header format are read or refused, and never more than that; what fuzzing sets out from is read.
+
+#[path = "../tools/fuzz/input.rs"]
+mod input;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::LazyLock;
 
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use tempfile::TempDir;
-use vcsg::volume::io::{self, Encoding, ReadOptions};
+use vcsg::volume::io::{self, Encoding, FORMATS, ReadOptions, open_all};
 use vcsg::volume::{Grid, Voxels};
 
 /// A folder with a small volume in each format, and the files that are damaged: headers, and files of header and voxels.
@@ -110,4 +114,43 @@ proptest! {
             }
         }
     }
+}
+
+const PYTHON: &str = "target/deps/vtk/bin/python";
+
+/// Voxels in the volumes that an input holds.
+fn voxels(format: &io::Format, bytes: &[u8]) -> Result<usize, io::ReadError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = input::written(folder.path(), format, bytes).expect("an input that can be unpacked");
+    let volumes = open_all(&path, &input::options(format))?;
+    // NIfTI's versions are called by their own names.
+    let is_its = |found: &str| found == format.name || format.name == "NIfTI";
+    assert!(
+        volumes.iter().all(|volume| is_its(volume.declared().format)),
+        "{}",
+        format.name
+    );
+    volumes.into_iter().map(|v| Ok(v.grid()?.voxels().len())).sum()
+}
+
+#[test]
+fn every_seed_of_fuzzing_is_a_volume_of_its_format() {
+    assert!(Path::new(PYTHON).exists(), "{PYTHON} is missing: run make setup");
+    let seeds = tempfile::tempdir().unwrap();
+    let written = Command::new(PYTHON).arg("tools/fuzz/seeds").arg(seeds.path()).status();
+    assert!(written.unwrap().success(), "tools/fuzz/seeds");
+    let mut refused = Vec::new();
+    for format in FORMATS {
+        let folder = seeds.path().join(input::name(format));
+        let files: Vec<_> = fs::read_dir(&folder).expect("seeds of the format").collect();
+        assert!(files.len() > 1, "{}", format.name);
+        for file in files {
+            let path = file.unwrap().path();
+            match voxels(format, &fs::read(&path).unwrap()) {
+                Ok(count) if count >= 12 => {}
+                other => refused.push(format!("{}: {other:?}", path.display())),
+            }
+        }
+    }
+    assert!(refused.is_empty(), "{}", refused.join("\n"));
 }

@@ -78,6 +78,15 @@ fn every_type_is_read_in_both_byte_orders() {
 }
 
 #[test]
+fn keys_may_be_told_from_values_by_colons() {
+    let volume = read("ElementSpacing: 1 2 3\nComment: a = b\nElementType: MET_UCHAR", &data()).unwrap();
+    assert_eq!(
+        volume.grid.world_from_index().matrix3,
+        DMat3::from_diagonal(DVec3::new(1.0, 2.0, 3.0))
+    );
+}
+
+#[test]
 fn axes_follow_each_other_in_the_matrix() {
     let lines = format!(
         "TransformMatrix = 0 1 0 0 0 1 1 0 0\nOffset = 7 8 9\nElementSpacing = 2 -3 4\nElementSize = 9 9 9\n{U8}"

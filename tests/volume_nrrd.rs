@@ -9,7 +9,7 @@ use flate2::write::GzEncoder;
 use glam::{DAffine3, DMat3, DVec3};
 use tempfile::TempDir;
 use vcsg::volume::Voxels;
-use vcsg::volume::io::{self, Position, Problem, ReadError, ReadOptions, Volume};
+use vcsg::volume::io::{self, Budget, Position, Problem, ReadError, ReadOptions, Volume};
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
@@ -211,6 +211,51 @@ fn the_lowest_place_of_an_axis_is_a_border_unless_it_is_a_node() {
         let volume = read(&format!("{header}{centers}"), &DATA).unwrap();
         assert_eq!(volume.grid.world_from_index().translation, origin, "{centers}");
     }
+}
+
+#[test]
+fn both_ends_of_an_axis_tell_its_spacing() {
+    let header = format!("{HEADER}\naxis mins: 0 0 0\naxis maxs: 4 9 nan");
+    for (centers, spacing, origin) in [
+        ("", DVec3::new(2.0, 3.0, 1.0), DVec3::new(1.0, 1.5, 0.5)),
+        ("\ncenters: node node node", DVec3::new(4.0, 4.5, 1.0), DVec3::ZERO),
+        (
+            "\nspacings: 1 nan 5",
+            DVec3::new(1.0, 3.0, 5.0),
+            DVec3::new(0.5, 1.5, 2.5),
+        ),
+    ] {
+        let place = *read(&format!("{header}{centers}"), &DATA)
+            .unwrap()
+            .grid
+            .world_from_index();
+        assert_eq!(place.matrix3, DMat3::from_diagonal(spacing), "{centers}");
+        assert_eq!(place.translation, origin, "{centers}");
+    }
+}
+
+/// Runs as long as the volume are in memory together, unless one component is read alone.
+#[test]
+fn components_in_long_runs_are_within_the_budget() {
+    let header = "type: uint8\ndimension: 4\nsizes: 64 64 8 3\nencoding: raw\nkinds: domain domain domain vector";
+    let folder = folder();
+    let path = file(
+        &folder,
+        "a.nrrd",
+        &[format!("NRRD0005\n{header}\n\n").as_bytes(), &[3; 3 << 15]].concat(),
+    );
+    let options = |budget, component| ReadOptions {
+        budget: Budget::of_bytes(budget),
+        component,
+        ..ReadOptions::default()
+    };
+    let error = io::open(&path, &options(3 << 14, None)).unwrap_err();
+    assert!(
+        matches!(error.problem, Problem::Budget { bytes: 98_304, .. }),
+        "{error}"
+    );
+    io::open(&path, &options(3 << 14, Some(1))).unwrap();
+    io::open(&path, &options(3 << 15, None)).unwrap();
 }
 
 #[test]

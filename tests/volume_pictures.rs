@@ -1,10 +1,16 @@
-//! One head in every format that is written, and one volume with its axes in every order: the same pictures.
+//! One head in every format that is written, and as DICOM; and one volume with its axes in every order: the same pictures.
 
+#[path = "oracle/process.rs"]
+mod process;
+
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::{DAffine3, DMat3, DVec3};
+use process::Process;
 use rayon::prelude::*;
+use serde_json::json;
 use vcsg::volume::io::{self, Encoding};
 use vcsg::volume::{Grid, Voxels};
 
@@ -59,6 +65,42 @@ fn a_head_is_the_same_picture_in_every_format() {
         picture(&from_dir("h.nhdr"), "slices", "96x96", ASLANT) == expected,
         "h.raw"
     );
+}
+
+/// Has pydicom write the head as a series of slices, whose numbers in decimals are exact.
+fn write_series(folder: &Path) {
+    let head = io::read(Path::new(HEAD)).unwrap().grid;
+    let Voxels::U8(voxels) = head.voxels() else {
+        panic!("{HEAD} has bytes")
+    };
+    let place = head.world_from_index();
+    let steps = DVec3::AXES.map(|axis| (place.matrix3 * axis).to_array());
+    let origin = place.translation.to_array();
+    assert!(
+        steps.iter().flatten().chain(&origin).all(|v| v.fract() == 0.0),
+        "{place:?}"
+    );
+    let mut pydicom = Process::start("tests/oracle/write_series.py");
+    pydicom.send(
+        &json!({"folder": folder, "dims": head.dims(), "origin": origin, "steps": steps}),
+        &[voxels],
+    );
+    let mut answer = String::new();
+    assert_eq!(
+        pydicom.answers.read_line(&mut answer).unwrap(),
+        1,
+        "see its message above"
+    );
+}
+
+#[test]
+fn a_head_is_the_same_picture_as_dicom() {
+    let folder = tempfile::tempdir().unwrap();
+    let (nifti, series) = (folder.path().join("head.nii.gz"), folder.path().join("series"));
+    std::fs::copy(HEAD, &nifti).unwrap_or_else(|e| panic!("{HEAD}: {e}: run make setup"));
+    write_series(&series);
+    let picture = |path| picture(path, "slices", "96x96", ASLANT);
+    assert!(picture(&series) == picture(&nifti));
 }
 
 /// All 48 ways to lay index axes along the world's: the axis of the world along which each runs, and the ways it runs.

@@ -1,6 +1,7 @@
-//! Reading volume files against SimpleITK, which is ITK's reader: the same files, which the system holds in memory.
+//! Reading volume files against SimpleITK, which is ITK's reader: the same files, which the system holds in memory. Of DICOM both decode
+//! on all threads: ours slice by slice, theirs (OpenJPEG) blocks within a slice.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
@@ -10,7 +11,7 @@ use vcsg::volume::{Grid, Voxels};
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
 use crate::runs::{Ratios, Summary, timed};
-use crate::vtk::Peer;
+use crate::vtk::{Peer, write_with};
 
 /// How many times as fast as SimpleITK ours must be, into a grid.
 const BAR: f64 = 1.0;
@@ -49,7 +50,7 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
     std::fs::create_dir_all(FOLDER)?;
     println!("\nReading a file, seconds, and how many times as fast as SimpleITK.ReadImage");
     println!(
-        "{:<22} {:>6} | {:>8} {:>8} | {:>8} | grid: {:>6} {:>6} {:>6}  {:<14} | bricks: {:>6}",
+        "{:<23} {:>6} | {:>8} {:>8} | {:>8} | grid: {:>6} {:>6} {:>6}  {:<14} | bricks: {:>6}",
         "", "MiB", "grid", "bricks", "ITK", "median", "min", "CPU", "bar", "median"
     );
     let head = io::read(Path::new(HEAD))?.grid;
@@ -69,6 +70,11 @@ pub fn compare(repetitions: usize) -> Outcome<Vec<Comparison>> {
             done.push(comparison);
         }
     }
+    let series = Path::new(FOLDER).join("jpeg-2000");
+    write_with("tools/peers/dicom_series.py", &series)?;
+    let comparison = compare_one("CT i16, DICOM JPEG 2000".to_owned(), &series, repetitions)?;
+    comparison.print();
+    done.push(comparison);
     Ok(done)
 }
 
@@ -83,7 +89,7 @@ fn noise() -> Outcome<Grid> {
     Ok(Grid::new([SIDE; 3], DAffine3::IDENTITY, Voxels::I16(voxels.collect()))?)
 }
 
-fn compare_one(what: String, path: &PathBuf, repetitions: usize) -> Outcome<Comparison> {
+fn compare_one(what: String, path: &Path, repetitions: usize) -> Outcome<Comparison> {
     let named = path.to_str().ok_or("a path of readable characters")?;
     let (mut peer, file): (Peer, PeerFile) = Peer::start("tools/peers/itk_read.py", &["--path", named])?;
     let open = || io::open(path, &ReadOptions::default());
@@ -108,7 +114,7 @@ fn compare_one(what: String, path: &PathBuf, repetitions: usize) -> Outcome<Comp
             limit: Limit::AtLeast(BAR),
         },
         bricks_faster: Ratios::of(&into_bricks, &theirs),
-        mebibytes: std::fs::metadata(path)?.len() as f64 / f64::from(1 << 20),
+        mebibytes: bytes(path)? as f64 / f64::from(1 << 20),
         what,
         into_grid,
         into_bricks,
@@ -117,11 +123,20 @@ fn compare_one(what: String, path: &PathBuf, repetitions: usize) -> Outcome<Comp
     })
 }
 
+/// Bytes of a file, or of the files in a folder.
+fn bytes(path: &Path) -> Outcome<u64> {
+    if !path.is_dir() {
+        return Ok(path.metadata()?.len());
+    }
+    let files = std::fs::read_dir(path)?.map(|file| Ok(file?.metadata()?.len()));
+    files.sum::<std::io::Result<u64>>().map_err(Into::into)
+}
+
 impl Comparison {
     fn print(&self) {
         let (grid, bricks) = (&self.grid_faster, &self.bricks_faster);
         println!(
-            "{:<22} {:6.1} | {:8.4} {:8.4} | {:8.4} | grid: {:6.2} {:6.2} {:6.2}  {:<14} | bricks: {:6.2}",
+            "{:<23} {:6.1} | {:8.4} {:8.4} | {:8.4} | grid: {:6.2} {:6.2} {:6.2}  {:<14} | bricks: {:6.2}",
             self.what,
             self.mebibytes,
             self.into_grid.median_s,

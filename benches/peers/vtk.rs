@@ -29,13 +29,19 @@ pub fn require_setup() -> Outcome<()> {
 
 /// Writes the benchmark volumes unless they are there.
 pub fn write_volumes() -> Outcome<()> {
-    let status = Command::new(PYTHON)
-        .arg("tools/peers/volumes.py")
-        .stdout(Stdio::null())
-        .status()?;
+    run(Command::new(PYTHON).arg("tools/peers/volumes.py"))
+}
+
+/// Has `script` write what it writes into a folder.
+pub fn write_with(script: &str, folder: &Path) -> Outcome<()> {
+    run(Command::new(PYTHON).arg(script).arg(folder))
+}
+
+fn run(script: &mut Command) -> Outcome<()> {
+    let status = script.stdout(Stdio::null()).status()?;
     match status.success() {
         true => Ok(()),
-        false => Err(format!("tools/peers/volumes.py: {status}; run make setup").into()),
+        false => Err(format!("{script:?}: {status}; run make setup").into()),
     }
 }
 

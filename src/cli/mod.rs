@@ -24,11 +24,14 @@ mod surfaces;
 mod swatch;
 mod video;
 
+use std::panic;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 pub use error::CliError;
+
+use crate::volume::io::is_caught;
 
 /// Model with volumes: combine scans and solids in a Volumetric CSG tree, and draw it with Vulkan.
 #[derive(Debug, Parser)]
@@ -53,6 +56,7 @@ enum Command {
 
 /// Runs the command that the process was started with.
 pub fn run() -> ExitCode {
+    tell_panics();
     let result = match Cli::parse().command {
         Command::Render(render) => render.run(),
         Command::Info(info) => info.run(),
@@ -71,4 +75,14 @@ pub fn run() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Has Rust tell of a panic as ever, but of one that a reader makes an error of its file.
+fn tell_panics() {
+    let tell = panic::take_hook();
+    panic::set_hook(Box::new(move |panic| {
+        if !is_caught() {
+            tell(panic);
+        }
+    }));
 }

@@ -268,7 +268,22 @@ fn values_are_signed_masked_and_rescaled_as_the_header_says() {
     assert_eq!(read(&ct), ("i16", 3071.0, f64::from(0x234 - 1024)));
     let pet = |file: &mut File| file.text((0x28, 0x1053), "DS", "0.25");
     assert_eq!(read(&pet), ("f32", 65535.0 / 4.0, f64::from(0xf234) / 4.0));
-    // Only how it is shown is inverted.
+    // The smallest is the brightest: bright is high, as in ITK.
     let inverse = |file: &mut File| file.text((0x28, 0x4), "CS", "MONOCHROME1");
-    assert_eq!(read(&inverse), ("u16", 65535.0, f64::from(0xf234)));
+    assert_eq!(read(&inverse), ("u16", 0.0, f64::from(!0xf234_u16)));
+}
+
+/// Frames of one file keep their order, from whichever end it begins; where they lie tells the same.
+#[test]
+fn frames_that_come_backwards_stay_so() {
+    let folder = tempdir().unwrap();
+    let mut file = File::slice(1, 7.0);
+    file.text((0x28, 0x8), "IS", "3");
+    file.text((0x3004, 0xc), "DS", "0\\-2\\-4");
+    file.frames = [1_u16, 2, 3].map(|n| n.to_le_bytes().repeat(12)).to_vec();
+    let volume = read(&file.write(folder.path(), "a.dcm"));
+    assert_eq!(firsts(&volume), [1.0, 2.0, 3.0]);
+    let map = volume.grid.world_from_index();
+    assert_eq!(map.translation, DVec3::new(0.0, 0.0, 7.0));
+    assert_eq!(map.matrix3.z_axis, DVec3::new(0.0, 0.0, -2.0));
 }

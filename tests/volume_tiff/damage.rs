@@ -51,7 +51,7 @@ fn damage_never_panics() {
         }
         fs::write(&path, &bytes).unwrap();
         if let Ok(volume) = io::read(&path) {
-            prop_assert!(volume.grid.voxels().len() <= bytes.len() << 13);
+            prop_assert!(volume.grid.voxels().len() <= bytes.len() << 15);
         }
     });
 }
@@ -95,4 +95,19 @@ fn declared_sizes_are_held_against_the_bytes() {
         let error = io::read(&path).unwrap_err().to_string();
         assert!(error.contains("bytes"), "{width} {height} {compression}: {error}");
     }
+}
+
+/// A description of two gigabytes, in a file of some hundred bytes.
+#[test]
+fn a_long_description_is_not_believed() {
+    let (mut oracle, folder) = (Oracle::start(), folder());
+    let path = folder.path().join("a.tif");
+    oracle.write(&path, "u8", &[3, 20, 20], &json!({"photometric": "minisblack"}));
+    let mut bytes = fs::read(&path).unwrap();
+    // Tag 270, text; how long it is follows.
+    let entry = bytes.windows(4).position(|start| start == [0x0e, 1, 2, 0]).unwrap();
+    bytes[entry + 4..entry + 8].copy_from_slice(&0x7600_0301_u32.to_le_bytes());
+    fs::write(&path, &bytes).unwrap();
+    let error = io::read(&path).unwrap_err().to_string();
+    assert!(error.contains("limits"), "{error}");
 }

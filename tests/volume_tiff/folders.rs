@@ -95,3 +95,36 @@ fn jpeg_slices_are_read() {
 fn a_folder_without_slices_is_refused() {
     assert!(io::read(folder().path()).is_err());
 }
+
+/// The start of a JPEG image, whose header declares 60,000 x 60,000 pixels, and one with as many as there are.
+#[test]
+fn declared_sizes_of_slices_are_held_against_their_bytes_and_the_budget() {
+    let folder = folder();
+    let path = folder.path().join("s.jpg");
+    let noise = GrayImage::from_fn(300, 200, |x, y| Luma([(x * x * 7 + y * 31 * x) as u8]));
+    save(folder.path(), "s.jpg", noise);
+    let sound = fs::read(&path).unwrap();
+    let little = ReadOptions {
+        budget: io::Budget::of_bytes(50_000),
+        ..ReadOptions::default()
+    };
+    let error = io::open(&path, &little).unwrap_err();
+    assert!(
+        matches!(error.problem, io::Problem::Budget { bytes: 60_000, .. }),
+        "{error}"
+    );
+    let mut bytes = sound.clone();
+    let frame = bytes.windows(2).position(|start| start == [0xff, 0xc0]).unwrap();
+    bytes[frame + 5..frame + 9].copy_from_slice(&[0xea, 0x60, 0xea, 0x60]);
+    fs::write(&path, &bytes).unwrap();
+    let error = io::read(&path).unwrap_err();
+    assert!(matches!(error.problem, io::Problem::Implausible { .. }), "{error}");
+}
+
+#[test]
+fn what_is_no_image_of_its_name_is_refused() {
+    let folder = folder();
+    fs::write(folder.path().join("a.png"), [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]).unwrap();
+    let error = io::read(&folder.path().join("a.png")).unwrap_err().to_string();
+    assert!(error.contains("neither PNG nor JPEG"), "{error}");
+}

@@ -1,10 +1,12 @@
 //! What no writer of ours makes, but the formats allow.
 
+use std::fs;
+
 use glam::DVec3;
 use vcsg::volume::Voxels;
-use vcsg::volume::io::{Problem, ReadError, ReadOptions, Volume};
+use vcsg::volume::io::{self, Problem, ReadError, ReadOptions, Volume};
 
-use crate::{f64s, named, read};
+use crate::{f64s, file, folder, named, read};
 
 fn vti(attributes: &str, body: &str) -> String {
     format!(
@@ -53,6 +55,28 @@ fn other_elements_may_stand_in_an_array() {
         f64s(open(&text).unwrap().grid.voxels()),
         [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
     );
+}
+
+/// Slices in pieces of their own: few of them are open at a time.
+#[test]
+fn many_pieces_are_opened_when_their_turn_comes() {
+    let count = 1500;
+    let piece = |z: usize| {
+        let data = array("a", "", &format!("{z}"));
+        format!("<Piece Extent=\"0 0 0 0 {z} {z}\"><PointData>{data}</PointData></Piece>")
+    };
+    let pieces: String = (0..count).map(piece).collect();
+    let text = vti("", &pieces).replace("0 1 0 1 0 1", &format!("0 0 0 0 0 {}", count - 1));
+    let folder = folder();
+    let path = file(&folder, "a.vti", text.as_bytes());
+    let opened = io::open(&path, &ReadOptions::default()).unwrap();
+    let links = fs::read_dir("/proc/self/fd").unwrap().flatten();
+    let open = links
+        .filter(|link| fs::read_link(link.path()).is_ok_and(|file| file == path))
+        .count();
+    assert!(open <= 1, "{open} files are open");
+    let expected: Vec<i16> = (0..count as i16).collect();
+    assert_eq!(*opened.grid().unwrap().voxels(), Voxels::I16(expected));
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod folder;
 mod fragments;
 mod image;
 mod jpeg12;
+mod jpeg_ls;
 mod layout;
 mod palette;
 mod series;
@@ -143,6 +144,10 @@ fn volume(path: &Path, series: &Series, options: &ReadOptions) -> Result<(Declar
         let what = format!("it has no component {component}: a voxel has {components}");
         return Err(ReadError::unsupported(path, what).hint("count components from 0 on"));
     }
+    // Its samples, and the voxels that they become.
+    let slice_bytes = (layout.pixels() * (layout.samples * size_of::<i64>() + size_of::<f64>())) as u64;
+    options.budget.check(first.path(), slice_bytes)?;
+    let at_once = options.budget.bytes() / 2 / slice_bytes;
     let stack = Stack::new(series, options)?;
     let resampled = stack.places.iter().any(|place| place.fract() != 0.0);
     let voxel = if resampled {
@@ -166,6 +171,7 @@ fn volume(path: &Path, series: &Series, options: &ReadOptions) -> Result<(Declar
         stack: Arc::new(stack),
         voxel,
         component: options.component,
+        at_once: (at_once as usize).clamp(1, 4 * rayon::current_num_threads()),
         next: 0,
         ready: VecDeque::new(),
     };
@@ -177,6 +183,8 @@ struct Slices {
     stack: Arc<Stack>,
     voxel: VoxelType,
     component: Option<usize>,
+    /// How many are decoded at a time.
+    at_once: usize,
     next: usize,
     ready: VecDeque<Result<Voxels, ReadError>>,
 }
@@ -198,7 +206,7 @@ impl Iterator for Slices {
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.ready.is_empty() {
-            let end = (self.next + 4 * rayon::current_num_threads()).min(self.stack.places.len());
+            let end = (self.next + self.at_once).min(self.stack.places.len());
             let batch: Vec<_> = (self.next..end).into_par_iter().map(|i| self.slice(i)).collect();
             self.ready.extend(batch);
             self.next = end;

@@ -64,7 +64,11 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         notes: components.note(payload.stored).into_iter().collect(),
     };
     let stretches = stretches(path, &header, &payload, &sizes)?;
-    Opened::new(path.to_owned(), declared, payload.chunks(path, &stretches, frame)?)
+    Opened::new(
+        path.to_owned(),
+        declared,
+        payload.chunks(path, &stretches, frame, options.budget)?,
+    )
 }
 
 /// Voxels along each axis.

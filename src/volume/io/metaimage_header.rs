@@ -1,4 +1,4 @@
-//! The header of a MetaImage: lines of `Key = value`, of which `ElementDataFile` is the last.
+//! The header of a MetaImage: lines of `Key = value`, or `Key: value`, of which `ElementDataFile` is the last.
 
 use std::collections::BTreeMap;
 use std::io::BufRead;
@@ -54,7 +54,7 @@ impl Header {
         if line.is_empty() || line.starts_with('#') {
             return Ok(());
         }
-        let Some((key, value)) = line.split_once('=') else {
+        let Some((key, value)) = line.split_once(['=', ':']) else {
             let start: String = line.chars().take(60).collect();
             let what = format!("`{start}` is no `Key = value`");
             return Err(ReadError::header(&self.path, what).line(number));

@@ -1,6 +1,7 @@
 //! Volume files: one module a format.
 
 mod budget;
+mod caught;
 mod components;
 mod dicom;
 mod error;
@@ -44,6 +45,7 @@ use std::path::Path;
 use serde::Serialize;
 
 pub use self::budget::Budget;
+pub use self::caught::is_caught;
 pub use self::error::{Position, Problem, ReadError};
 pub use self::format::{FORMATS, Format, open, open_all};
 pub use self::nrrd_write::write_nrrd;

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use super::budget::Budget;
 use super::components::{Components, Rule};
 use super::error::ReadError;
 use super::format::Format;
@@ -70,7 +71,7 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         &header,
         payload.bytes().saturating_mul(shape.frames as u64),
     )?;
-    let chunks = chunks(payload, &header_path, all, &shape, frame)?;
+    let chunks = chunks(payload, &header_path, all, &shape, frame, options.budget)?;
     Opened::new(header_path, declared, chunks)
 }
 
@@ -268,9 +269,16 @@ fn offset(path: &Path, header: &Header) -> Result<u64, ReadError> {
 }
 
 /// The voxels of a frame. Of components along the fifth axis each has all its frames before the next.
-fn chunks(payload: Payload, path: &Path, all: Stretch, shape: &Shape, frame: usize) -> Result<Chunks, ReadError> {
+fn chunks(
+    payload: Payload,
+    path: &Path,
+    all: Stretch,
+    shape: &Shape,
+    frame: usize,
+    budget: Budget,
+) -> Result<Chunks, ReadError> {
     if shape.components == 1 || shape.frames == 1 {
-        return payload.chunks(path, &[all], frame);
+        return payload.chunks(path, &[all], frame, budget);
     }
     let run = payload.bytes() / shape.components as u64;
     let all = [all];
@@ -278,6 +286,13 @@ fn chunks(payload: Payload, path: &Path, all: Stretch, shape: &Shape, frame: usi
         let before = component.saturating_mul(shape.frames).saturating_add(frame);
         section(&all, run.saturating_mul(before as u64), run)
     };
-    let own = (0..shape.components).flat_map(run_of).collect();
-    payload.chunks_in(path, &all, own)
+    let Some(component) = payload.components.chosen() else {
+        let own = (0..shape.components).flat_map(run_of).collect();
+        return payload.chunks_in(path, &all, own, budget);
+    };
+    let alone = Payload {
+        components: Components::SCALAR,
+        ..payload
+    };
+    alone.chunks_in(path, &all, run_of(component), budget)
 }

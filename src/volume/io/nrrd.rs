@@ -52,7 +52,11 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
     };
     let (frame, frames) = axes.slowest_frames(frame);
     let stretches = stretches(path, &header, payload.bytes().saturating_mul(frames as u64))?;
-    Opened::new(path.to_owned(), declared, payload.chunks(path, &stretches, frame)?)
+    Opened::new(
+        path.to_owned(),
+        declared,
+        payload.chunks(path, &stretches, frame, options.budget)?,
+    )
 }
 
 fn notes(header: &Header, axes: &Axes, payload: &Payload) -> Vec<String> {

@@ -26,33 +26,34 @@ pub(super) fn world_from_index(path: &Path, header: &Header, axes: &Axes) -> Res
 
 /// The axes and origin of a header without `space directions`.
 fn spacings(path: &Path, header: &Header, axes: &Axes) -> Result<([Option<DVec3>; 3], DVec3), ReadError> {
-    let number = |name: &str, missing: f64| {
+    let number = |name: &str| {
         let numbers: Vec<f64> = header.numbers(name)?.unwrap_or_default();
         if !numbers.is_empty() && numbers.len() != axes.count {
             let what = format!("`{name}` has {} numbers for {} axes", numbers.len(), axes.count);
             return Err(ReadError::header(path, what));
         }
         let at = |a: usize| axes.spatial.get(a).and_then(|&axis| numbers.get(axis));
-        let known = |v: &&f64| v.is_finite() && **v != 0.0;
-        Ok(DVec3::from_array(std::array::from_fn(|a| {
-            at(a).filter(known).copied().unwrap_or(missing)
-        })))
+        Ok(std::array::from_fn(|a| at(a).copied().filter(|v: &f64| v.is_finite())))
     };
-    let (spacing, lowest) = (number("spacings", 1.0)?, number("axismins", f64::NAN)?);
+    let said: [Option<f64>; 3] = number("spacings")?;
+    let [lowest, highest]: [[Option<f64>; 3]; 2] = [number("axismins")?, number("axismaxs")?];
     let centers = [header.words("centers"), header.words("centerings")].concat();
-    let origin = |a: usize| {
-        let is_node = axes
-            .spatial
-            .get(a)
-            .and_then(|&axis| centers.get(axis))
-            .is_some_and(|c| c == "node");
-        match (lowest[a].is_finite(), is_node) {
-            (false, _) => 0.0,
-            (true, true) => lowest[a],
-            // The lowest place is a voxel's border, as teem and ITK take it unless the header says otherwise.
-            (true, false) => lowest[a] + 0.5 * spacing[a],
-        }
+    let is_node = |a: usize| {
+        let centering = axes.spatial.get(a).and_then(|&axis| centers.get(axis));
+        centering.is_some_and(|c| c == "node")
     };
+    // Both ends of an axis tell how far apart its voxels are, where nothing else does.
+    let between_ends = |a: usize| {
+        let steps = if is_node(a) { axes.dims[a] - 1 } else { axes.dims[a] };
+        Some((highest[a]? - lowest[a]?) / steps as f64).filter(|v| v.is_finite())
+    };
+    let is_step = |v: &f64| *v != 0.0;
+    let spacing: [f64; 3] = std::array::from_fn(|a| {
+        let said = said[a].filter(is_step);
+        said.or_else(|| between_ends(a).filter(is_step)).unwrap_or(1.0)
+    });
+    // The lowest place is a voxel's border, as teem and ITK take it unless the header says otherwise.
+    let origin = |a: usize| lowest[a].map_or(0.0, |v| if is_node(a) { v } else { v + 0.5 * spacing[a] });
     let columns = std::array::from_fn(|a| Some(DVec3::AXES[a] * spacing[a]));
     Ok((columns, DVec3::from_array(std::array::from_fn(origin))))
 }

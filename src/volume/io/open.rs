@@ -4,6 +4,8 @@
 //! for. So who only lists files reads no voxel, and who keeps a volume in another form than the file's never has it twice.
 
 use std::path::PathBuf;
+use std::sync::mpsc;
+use std::thread;
 
 use glam::DAffine3;
 
@@ -38,6 +40,9 @@ pub struct ReadOptions {
     /// The most memory that reading may take.
     pub budget: Budget,
 }
+
+/// How many parts are read ahead of the one in hand.
+const PARTS_AHEAD: usize = 2;
 
 /// A volume's voxels in the order of the grid, x fastest, any number at a time, all of the declared type.
 pub(super) type Chunks = Box<dyn Iterator<Item = Result<Voxels, ReadError>> + Send>;
@@ -131,7 +136,7 @@ impl Opened {
         Grid::new(declared.dims, declared.world_from_index, voxels).map_err(|e| ReadError::new(&path, e))
     }
 
-    /// Reads the voxels into sparse bricks. Beside them no more is held than the part in hand.
+    /// Reads the voxels into sparse bricks. Beside them no more is held than the part in hand and the next ones.
     ///
     /// # Errors
     /// Whatever [`ReadError`] can say of the voxels; if their bricks take more memory than they may.
@@ -144,9 +149,7 @@ impl Opened {
             ..
         } = self.declared;
         let mut builder = BrickBuilder::new(dims, world_from_index, voxel, self.budget.bytes()).map_err(refused)?;
-        for part in self.parts {
-            part?.put_in_bricks(&mut builder).map_err(refused)?;
-        }
+        read_ahead(self.parts, |part| part.put_in_bricks(&mut builder).map_err(refused))?;
         builder.finish().map_err(refused)
     }
 
@@ -161,6 +164,16 @@ impl Opened {
         }
         Ok(self.declared.info(&tally.stats()))
     }
+}
+
+/// Hands `parts` over to `put`, while the next are read on a thread of their own.
+fn read_ahead(mut parts: Parts, mut put: impl FnMut(Part) -> Result<(), ReadError>) -> Result<(), ReadError> {
+    let (sender, receiver) = mpsc::sync_channel(PARTS_AHEAD);
+    thread::scope(|scope| {
+        // Who takes no more of them after an error lets the thread end.
+        scope.spawn(move || parts.try_for_each(|part| sender.send(part)).ok());
+        receiver.into_iter().try_for_each(|part| put(part?))
+    })
 }
 
 impl Declared {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::budget::Budget;
 use super::components::Components;
 use super::error::ReadError;
 use super::open::{Chunks, ReadOptions};
@@ -34,6 +35,12 @@ impl Payload {
         scalars.saturating_mul(self.stored.bytes() as u64)
     }
 
+    /// Bytes of a run of all components.
+    fn run_bytes(&self) -> u64 {
+        let scalars = (self.components.run() as u64).saturating_mul(self.components.count() as u64);
+        scalars.saturating_mul(self.stored.bytes() as u64)
+    }
+
     /// The type of the voxels that are handed over.
     pub(super) fn voxel(&self) -> VoxelType {
         let scalar = match (self.rescaling, self.stored.voxel()) {
@@ -44,7 +51,13 @@ impl Payload {
     }
 
     /// The voxels of volume `frame`, of those that follow each other in `stretches`. The file at `path` is the one to name.
-    pub(super) fn chunks(self, path: &Path, stretches: &[Stretch], frame: usize) -> Result<Chunks, ReadError> {
+    pub(super) fn chunks(
+        self,
+        path: &Path,
+        stretches: &[Stretch],
+        frame: usize,
+        budget: Budget,
+    ) -> Result<Chunks, ReadError> {
         let from = self.bytes().saturating_mul(frame as u64);
         match self.components.chosen() {
             Some(component) if self.components.run() == self.voxels => {
@@ -55,18 +68,26 @@ impl Payload {
                 };
                 let before = alone.bytes().saturating_mul(component as u64);
                 let own = section(stretches, from.saturating_add(before), alone.bytes());
-                alone.chunks_in(path, stretches, own)
+                alone.chunks_in(path, stretches, own, budget)
             }
             _ => {
                 let own = section(stretches, from, self.bytes());
-                self.chunks_in(path, stretches, own)
+                self.chunks_in(path, stretches, own, budget)
             }
         }
     }
 
-    /// The voxels in `own`, which are parts of `all`: a series that is cut off is not taken for whole.
-    pub(super) fn chunks_in(self, path: &Path, all: &[Stretch], own: Vec<Stretch>) -> Result<Chunks, ReadError> {
+    /// The voxels in `own`, which are parts of `all`: a series that is cut off is not taken for whole. All components of a run are in
+    /// memory together, which has to be within the budget.
+    pub(super) fn chunks_in(
+        self,
+        path: &Path,
+        all: &[Stretch],
+        own: Vec<Stretch>,
+        budget: Budget,
+    ) -> Result<Chunks, ReadError> {
         all.iter().try_for_each(Stretch::check)?;
+        budget.check(path, self.run_bytes())?;
         Ok(Box::new(Reader {
             path: path.to_owned(),
             left: self.voxels,
@@ -99,9 +120,9 @@ struct Reader {
 impl Reader {
     /// How many voxels come next: whole runs, of all components.
     fn next_voxels(&self) -> usize {
-        let (count, run) = (self.payload.components.count(), self.payload.components.run());
-        let bytes = run.saturating_mul(count).saturating_mul(self.payload.stored.bytes());
-        run.saturating_mul((CHUNK / bytes).max(1)).min(self.left)
+        let run = self.payload.components.run();
+        let runs = CHUNK as u64 / self.payload.run_bytes().max(1);
+        run.saturating_mul((runs as usize).max(1)).min(self.left)
     }
 
     fn read(&mut self, voxels: usize) -> Result<Voxels, ReadError> {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use super::budget::Budget;
 use super::components::Components;
 use super::error::ReadError;
 use super::format::Format;
@@ -39,7 +40,7 @@ pub(super) const FORMAT: Format = Format {
     reads: "voxels whose size, type and spacing the user says",
     recognises: |probe| !probe.is_folder && (probe.has_layout || probe.is_named(&FORMAT)),
     open: |path, options| match &options.raw {
-        Some(layout) => Ok(vec![open(path, layout)?]),
+        Some(layout) => Ok(vec![open(path, layout, options.budget)?]),
         None => Err(ReadError::unsupported(path, "a raw file does not say what it holds").hint(raw_guess::hint(path))),
     },
     writer: Some(Writer {
@@ -50,7 +51,7 @@ pub(super) const FORMAT: Format = Format {
 };
 
 /// Opens the raw voxels in the file at `path`.
-fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
+fn open(path: &Path, layout: &RawLayout, budget: Budget) -> Result<Opened, ReadError> {
     let payload = Payload {
         stored: Stored::Voxel(layout.voxel),
         order: layout.order,
@@ -76,7 +77,7 @@ fn open(path: &Path, layout: &RawLayout) -> Result<Opened, ReadError> {
         notes: Vec::new(),
     };
     let chunks = payload
-        .chunks(path, &[stretch], 0)
+        .chunks(path, &[stretch], 0, budget)
         .map_err(|e| e.hint("give the size, type and offset that the file has"))?;
     Opened::new(path.to_owned(), declared, chunks)
 }

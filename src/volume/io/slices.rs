@@ -4,11 +4,13 @@
 //! which there are most are the slices. A slice is read when its turn comes.
 
 use std::cmp::{Ordering, Reverse};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3};
-use image::{DynamicImage, ImageError, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
+use super::budget::Budget;
 use super::components::Components;
 use super::error::{Problem, ReadError};
 use super::format::Format;
@@ -18,6 +20,10 @@ use crate::volume::grid::Voxels;
 
 /// Kinds of images, by the ends of their names.
 const KINDS: [&[&str]; 3] = [&[".tif", ".tiff"], &[".png"], &[".jpg", ".jpeg"]];
+
+/// Bytes of pixels, as they are stored, for a byte of the file: deflate's best ratio. JPEG's is 1024, of blocks of 64 samples in a bit,
+/// half of whose colours' rows and columns are left out.
+const BEST_RATIO: u64 = 1032;
 
 /// Folders of slices among the formats.
 pub(super) const FORMAT: Format = Format {
@@ -49,8 +55,7 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
     let Some(first_file) = files.first() else {
         return Err(ReadError::unsupported(path, "it holds no slice"));
     };
-    let component = options.component;
-    let (first, spacing) = picture(first_file, component)?;
+    let (first, spacing) = picture(first_file, options)?;
     let mut notes = Vec::new();
     if others > 0 {
         notes.push(format!("{others} images of other kinds are left out"));
@@ -72,11 +77,11 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         components: first.components.count(),
         notes,
     };
-    let mut first = Some(first);
+    let (mut first, options) = (Some(first), options.clone());
     let chunks = files.into_iter().map(move |file| {
         let picture = match first.take() {
             Some(first) => first,
-            None => picture(&file, component)?.0,
+            None => picture(&file, &options)?.0,
         };
         kind.check(&file, &picture)?;
         Ok(picture.components.one(picture.numbers))
@@ -166,18 +171,12 @@ fn digits<'a>(text: &mut &'a str) -> &'a str {
 }
 
 /// The image in the file at `path`, and millimetres between its pixels, as far as they are known.
-fn picture(path: &Path, component: Option<usize>) -> Result<(Picture, [Option<f64>; 3]), ReadError> {
+fn picture(path: &Path, options: &ReadOptions) -> Result<(Picture, [Option<f64>; 3]), ReadError> {
     let name = path.to_string_lossy().to_ascii_lowercase();
     if KINDS[0].iter().any(|end| name.ends_with(end)) {
-        return tiff::picture(path, component);
+        return tiff::picture(path, options);
     }
-    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
-    let decoded = reader.map_err(|e| ReadError::io(path, e))?.decode();
-    let image = decoded.map_err(|e| match e {
-        ImageError::IoError(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => ReadError::io(path, e),
-        ImageError::Limits(_) => ReadError::new(path, Problem::Unsupported("it is too large an image".to_owned())),
-        e => ReadError::header(path, e.to_string()).hint("copy or export it again"),
-    })?;
+    let image = decoded(path, options.budget)?;
     let (dims, count) = (
         [image.width() as usize, image.height() as usize],
         image.color().channel_count(),
@@ -199,13 +198,45 @@ fn picture(path: &Path, component: Option<usize>) -> Result<(Picture, [Option<f6
         }
     };
     // Of grey with an opacity, the grey.
-    let chosen = component.or((count == 2).then_some(0));
+    let chosen = options.component.or((count == 2).then_some(0));
     let picture = Picture {
         dims,
         components: Components::new(path, usize::from(count), chosen)?,
         numbers,
     };
     Ok((picture, [None; 3]))
+}
+
+/// The PNG or JPEG image in the file at `path`, whose size is held against the file's bytes and the budget first.
+fn decoded(path: &Path, budget: Budget) -> Result<DynamicImage, ReadError> {
+    let io_error = |e| ReadError::io(path, e);
+    let length = File::open(path).and_then(|f| f.metadata()).map_err(io_error)?.len();
+    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
+    let mut reader = reader.map_err(io_error)?;
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
+        return Err(ReadError::unsupported(
+            path,
+            "it is neither PNG nor JPEG, whatever its name says",
+        ));
+    }
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(budget.bytes());
+    reader.limits(limits);
+    let image_error = |e| match e {
+        ImageError::IoError(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => ReadError::io(path, e),
+        ImageError::Limits(_) => ReadError::unsupported(path, "it is too large an image"),
+        e => ReadError::header(path, e.to_string()).hint("copy or export it again"),
+    };
+    let decoder = reader.into_decoder().map_err(image_error)?;
+    let (width, height) = decoder.dimensions();
+    let bits = u64::from(decoder.original_color_type().bits_per_pixel());
+    let expected = (u64::from(width) * u64::from(height)).saturating_mul(bits) / 8;
+    if expected / BEST_RATIO > length {
+        let compressed = length;
+        return Err(ReadError::new(path, Problem::Implausible { expected, compressed }));
+    }
+    budget.check(path, decoder.total_bytes())?;
+    DynamicImage::from_decoder(decoder).map_err(image_error)
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub(super) const FORMAT: Format = Format {
     writer: None,
 };
 
-fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
+fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
     let io_error = |e| ReadError::io(path, e);
     let mut file = BufReader::new(File::open(path).map_err(io_error)?);
     let mut header = Vec::new();
@@ -93,5 +93,9 @@ fn open(path: &Path, _options: &ReadOptions) -> Result<Opened, ReadError> {
         components: 1,
         notes: vec!["the file gives no spacing: it is taken to be 1 mm".to_owned()],
     };
-    Opened::new(path.to_owned(), declared, payload.chunks(path, &[stretch], 0)?)
+    Opened::new(
+        path.to_owned(),
+        declared,
+        payload.chunks(path, &[stretch], 0, options.budget)?,
+    )
 }

@@ -1,17 +1,15 @@
 //! Compressed frames, through the crates that decode them.
 //!
 //! *Practice.* Each stream's own header is read first, and must declare the image that the data set declares: so no codec makes
-//! room for another, and what that takes was checked against the bytes there. A codec that panics on damaged data is stopped at
-//! this file's door. RLE is 20 lines, and here, since the crates' readers of it trust a declared number of segments.
+//! room for another, and what that takes was checked against the bytes there. RLE is 20 lines, and here, since the crates' readers of it trust a declared number of segments.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
-use charls::CharLS;
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 use jpeg_decoder::{CodingProcess, ColorTransform, Decoder, PixelFormat};
 
+use super::jpeg_ls;
 use super::jpeg12;
 use super::layout::{Colour, Layout};
+use crate::volume::io::caught::caught;
 
 /// How frames are compressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,16 +62,14 @@ impl Codec {
 
     /// The stored values of a compressed frame, and whether its chromas are gone.
     pub(super) fn decode(self, stream: &[u8], layout: &Layout) -> Result<(Vec<i64>, bool), String> {
-        // The codecs are crates whose authors did not promise never to panic. Nothing of theirs outlives the call.
-        let decoded = catch_unwind(AssertUnwindSafe(|| match self {
+        let frame = caught(|| match self {
             Self::Native => Err("it is not compressed".into()),
             Self::Rle => rle(stream, layout),
             Self::Jpeg if jpeg12::is_twelve_bit(stream) => twelve_bit(stream, layout),
             Self::Jpeg => jpeg(stream, layout),
-            Self::JpegLs => jpeg_ls(stream, layout),
+            Self::JpegLs => near_lossless(stream, layout),
             Self::Jpeg2000 => jpeg_2000(stream, layout),
-        }));
-        let frame = decoded.unwrap_or_else(|_| Err("its codec gave up".into()))?;
+        })?;
         let expected = layout.pixels() * layout.samples;
         if frame.samples.len() != expected {
             return Err(format!("it holds {} samples of {expected}", frame.samples.len()));
@@ -216,26 +212,11 @@ fn words(bytes: &[u8]) -> Vec<i64> {
         .collect()
 }
 
-fn jpeg_ls(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
-    let mut decoder = CharLS::default();
-    let info = decoder.get_frame_info(stream).map_err(|e| e.to_string())?;
-    check(
-        layout,
-        [info.width as usize, info.height as usize, info.component_count as usize],
-    )?;
-    let bytes = CharLS::default().decode(stream).map_err(|e| e.to_string())?;
-    let mut samples: Vec<i64> = match info.bits_per_sample {
-        ..=8 => bytes.into_iter().map(i64::from).collect(),
-        _ => words(&bytes),
-    };
-    // A scan of one component holds its plane.
-    let planes = jpeg12::segments(stream).any(|(marker, segment, _)| marker == 0xda && segment.first() == Some(&1));
-    if planes && layout.samples > 1 {
-        samples = interleaved(&samples, layout);
-    }
+fn near_lossless(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
+    let image = jpeg_ls::decode(stream, |size| check(layout, size))?;
     Ok(Frame {
-        samples,
-        precision: info.bits_per_sample as u32,
+        samples: image.samples.into_iter().map(i64::from).collect(),
+        precision: image.precision,
         is_rgb: false,
     })
 }

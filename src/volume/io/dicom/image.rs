@@ -114,7 +114,7 @@ impl Image {
         }))
     }
 
-    /// The stored values of a frame, those of a pixel together; of a palette's or luma's, what they stand for.
+    /// The stored values of a frame, those of a pixel together; of a palette's, luma's or an inverse image's, what they stand for.
     pub(super) fn stored(&self, frame: &Frame) -> Result<Vec<i64>, ReadError> {
         let mut bytes = self.bytes.read(&self.path, &frame.bytes.ranges)?;
         let layout = &self.layout;
@@ -128,6 +128,9 @@ impl Image {
         drop(bytes);
         if self.codec == Codec::Native && layout.planar {
             values = codec::interleaved(&values, layout);
+        }
+        if layout.is_inverse {
+            values.iter_mut().for_each(|v| *v = layout.turned(*v));
         }
         match (&self.palette, layout.colour) {
             (Some(palette), _) => values = palette.colours(&values),

@@ -15,7 +15,7 @@ const MAX_SAMPLES: usize = 1 << 27;
 /// What the samples of a pixel are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Colour {
-    /// One value, be it MONOCHROME1 or MONOCHROME2: the one is only shown inverted.
+    /// One value.
     Gray,
     /// An index into the file's palette.
     Palette,
@@ -48,6 +48,8 @@ pub(super) struct Layout {
     pub planar: bool,
     /// What the samples are.
     pub colour: Colour,
+    /// Whether the smallest value is the brightest (MONOCHROME1).
+    pub is_inverse: bool,
     /// The byte order of uncompressed samples.
     pub order: ByteOrder,
 }
@@ -75,6 +77,8 @@ impl Layout {
             signed: whole(tags::PIXEL_REPRESENTATION, 0.0) == 1,
             planar: samples > 1 && whole(tags::PLANAR_CONFIGURATION, 0.0) == 1,
             colour: colour(path, dataset, samples)?,
+            is_inverse: samples == 1
+                && dataset.text(tags::PHOTOMETRIC_INTERPRETATION).as_deref() == Some("MONOCHROME1"),
             order,
         };
         layout.check(path).map(|()| layout)
@@ -130,6 +134,12 @@ impl Layout {
             true => [-size / 2, size / 2 - 1],
             false => [0, size - 1],
         }
+    }
+
+    /// What is as bright as a value of an inverse image: the largest for the smallest.
+    pub(super) fn turned(&self, value: i64) -> i64 {
+        let [least, most] = self.range();
+        least + most - value
     }
 
     /// The stored value in a sample: without the bits above and below, which overlays may be in, and with its sign. `shift` is

@@ -1,7 +1,7 @@
 //! Slices put in their order along the normal, and where that puts their voxels.
 //!
 //! *Practice.* The third column of the affine is what one slice is from the next, in space: so a tilted gantry's shear stays in
-//! it. Real slices are not quite even; they are taken for even while each is nearer to its place than a quarter of the distance.
+//! it. The frames of one file stay in their order, even where that goes down the normal. Real slices are not quite even; they are taken for even while each is nearer to its place than a quarter of the distance.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -53,7 +53,25 @@ impl Stack {
             notes: Vec::new(),
         };
         stack.lay(options.resample)?;
+        if stack.comes_backwards() {
+            stack.turn();
+        }
         Ok(stack)
+    }
+
+    /// Whether its slices are one file's frames, from the last one on.
+    fn comes_backwards(&self) -> bool {
+        let is_next =
+            |pair: &[Slice]| pair[0].path() == pair[1].path() && pair[0].frame().order[2] > pair[1].frame().order[2];
+        self.slices.len() == self.places.len() && self.slices.len() > 1 && self.slices.windows(2).all(is_next)
+    }
+
+    /// Counts slices from the other end: they stay where they are.
+    fn turn(&mut self) {
+        let place = &mut self.world_from_index;
+        place.translation += place.matrix3.z_axis * (self.slices.len() - 1) as f64;
+        place.matrix3.z_axis = -place.matrix3.z_axis;
+        self.slices.reverse();
     }
 
     /// Finds the affine, and the places of resampled slices.

@@ -6,6 +6,7 @@
 //! resolution and masks are passed over. Pages are read one by one, as they are asked for.
 
 mod imagej;
+mod lzw_tiles;
 mod ome;
 mod page;
 mod pages;
@@ -27,7 +28,7 @@ use crate::volume::grid::Voxels;
 pub(super) const FORMAT: Format = Format {
     name: "TIFF",
     suffixes: &[".tif", ".tiff", ".btf", ".tf8"],
-    reads: "stacks of 8 to 64 bits, BigTIFF; deflate, LZW, PackBits, JPEG; ImageJ and OME: spacing, channels, times",
+    reads: "stacks of 8 to 64 bits, BigTIFF; deflate, LZW, PackBits, Zstandard, JPEG; ImageJ and OME: spacing, channels, times",
     recognises: |probe| !probe.is_folder && !probe.has_layout && (probe.is_named(&FORMAT) || is_tiff(&probe.start)),
     open: |path, options| Ok(vec![open(path, options)?]),
     writer: None,
@@ -128,10 +129,14 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
         notes: std::mem::take(&mut stack.notes),
     };
     let contiguous = contiguous(path, &pages, &stack)?;
+    if contiguous.is_none() {
+        pages.check(stack.planes())?;
+    }
+    // A page is in memory as a whole.
+    options.budget.check(path, layout.bytes())?;
     let file = path.to_owned();
     let mut source: Box<dyn FnMut(usize) -> Result<Voxels, ReadError> + Send> = match contiguous {
         None => {
-            pages.check(stack.planes())?;
             let mut pages = pages;
             Box::new(move |page| pages.read(page))
         }
@@ -183,15 +188,17 @@ fn contiguous(path: &Path, pages: &Pages, stack: &Stack) -> Result<Option<Contig
 }
 
 /// The only page of a file that is one slice of several, and millimetres between its pixels, as far as they are known.
-pub(super) fn picture(path: &Path, component: Option<usize>) -> Result<(Picture, [Option<f64>; 3]), ReadError> {
+pub(super) fn picture(path: &Path, options: &ReadOptions) -> Result<(Picture, [Option<f64>; 3]), ReadError> {
     let mut pages = Pages::open(path)?;
+    pages.check(1)?;
+    options.budget.check(path, pages.layout.bytes())?;
     if pages.count() != 1 {
         let what = format!("it has {} pages, where a file is one slice", pages.count());
         return Err(ReadError::unsupported(path, what).hint("open it by itself"));
     }
     let picture = Picture {
         dims: pages.layout.dims,
-        components: pages.layout.components(path, component)?,
+        components: pages.layout.components(path, options.component)?,
         numbers: pages.read(0)?,
     };
     Ok((picture, stack(path, &pages)?.spacing))

@@ -14,14 +14,18 @@ use tiff::tags::{
     ByteOrder as TiffOrder, CompressionMethod, PlanarConfiguration, SampleFormat, Tag, Type, ValueBuffer,
 };
 
+use super::lzw_tiles::LzwTiles;
 use super::page::Layout;
 use super::shown::Shown;
 use crate::volume::grid::Voxels;
 use crate::volume::io::error::{Problem, ReadError};
 use crate::volume::io::stored::{ByteOrder, Stored, decode};
 
-/// No compression that is read makes less of so many bytes than one: the best is fax's, a bit for a white row.
-const MAX_RATIO: u64 = 1 << 13;
+/// No compression that is read makes less of so many bytes than one: the best is Zstandard's, four bytes for 128 KiB that are equal.
+const MAX_RATIO: u64 = 1 << 15;
+
+/// How many slices a page holds, and a tile: SGI's tags of volumes in one page.
+const DEPTHS: [Tag; 2] = [Tag::Unknown(32997), Tag::Unknown(32998)];
 
 /// The largest page that is believed, bytes.
 const MAX_PAGE: u64 = 1 << 32;
@@ -106,7 +110,8 @@ impl Pages {
         let mut limits = Limits::default();
         limits.ifd_value_size = usize::try_from(length).unwrap_or(usize::MAX);
         limits.intermediate_buffer_size = limits.ifd_value_size;
-        limits.decoding_buffer_size = usize::try_from(MAX_PAGE).unwrap_or(usize::MAX);
+        limits.decoding_buffer_size =
+            usize::try_from(MAX_PAGE.min(length.saturating_mul(MAX_RATIO))).unwrap_or(usize::MAX);
         decoder = decoder.with_limits(limits);
         let mut first = None;
         let (mut directories, mut is_compressed) = (Vec::new(), false);
@@ -118,6 +123,13 @@ impl Pages {
             see(&mut decoder, directory).map_err(at)?;
             if is_reduced(&mut decoder).map_err(at)? {
                 continue;
+            }
+            if is_deep(&mut decoder).map_err(at)? {
+                return Err(unsupported(
+                    path,
+                    directory,
+                    "pages of several slices (ImageDepth) are not read",
+                ));
             }
             let layout = layout(&mut decoder).map_err(|e| unsupported(path, directory, &e))?;
             match &first {
@@ -135,7 +147,7 @@ impl Pages {
         see(&mut decoder, directory).map_err(at)?;
         let mut pages = Self {
             path: path.to_owned(),
-            description: description(&mut decoder).map_err(at)?,
+            description: description(&mut decoder, length).map_err(at)?,
             resolution: resolution(&mut decoder).map_err(at)?,
             contiguous: None,
             decoder,
@@ -184,8 +196,17 @@ impl Pages {
         let directory = self.directories[page];
         let mut pixels = DecodingResult::U8(Vec::new());
         let decoder = &mut self.decoder;
-        let read = see(decoder, directory).and_then(|()| decoder.read_image_to_buffer(&mut pixels));
-        read.map_err(|e| error(&self.path, directory, e))?;
+        let at = |e| error(&self.path, directory, e);
+        see(decoder, directory).map_err(at)?;
+        match LzwTiles::of(decoder, &self.layout).map_err(at)? {
+            Some(tiles) => {
+                let read = tiles.read(decoder.inner(), &self.layout);
+                pixels = read.map_err(|e| at(TiffError::IoError(e)))?;
+            }
+            None => {
+                decoder.read_image_to_buffer(&mut pixels).map_err(at)?;
+            }
+        }
         let numbers = self.layout.numbers(pixels);
         let (expected, found) = (self.layout.pixels() * self.layout.samples, numbers.len());
         match expected == found {
@@ -279,6 +300,17 @@ fn is_reduced<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<bool, TiffErro
     Ok(new.is_some_and(|flags| flags & 0b101 != 0) || (new.is_none() && old == Some(2)))
 }
 
+/// Whether the page holds several slices.
+fn is_deep<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<bool, TiffError> {
+    for tag in DEPTHS {
+        let depth: Option<u32> = decoder.find_tag_unsigned(tag)?;
+        if depth.is_some_and(|depth| depth > 1) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
 fn layout<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Layout, String> {
     let text = |e: TiffError| e.to_string();
     let dims = decoder.dimensions().map_err(text)?;
@@ -290,9 +322,15 @@ fn layout<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Layout, String> {
     Layout::new(dims, color, &SampleFormat::from_u16_exhaustive(format), is_planar)
 }
 
-fn description<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<String, TiffError> {
+/// The page's description, in a file of so many bytes. The crate would make room for any length that is declared.
+fn description<R: Read + Seek>(decoder: &mut Decoder<R>, length: u64) -> Result<String, TiffError> {
     let mut value = ValueBuffer::empty(Type::ASCII);
-    let found = decoder.image_ifd().find_tag_buf(Tag::ImageDescription, &mut value)?;
+    let mut directory = decoder.image_ifd();
+    let entry = directory.find_entry(Tag::ImageDescription);
+    if entry.is_some_and(|entry| entry.count() > length) {
+        return Err(TiffError::LimitsExceeded);
+    }
+    let found = directory.find_tag_buf(Tag::ImageDescription, &mut value)?;
     let bytes = if found.is_some() { value.as_bytes() } else { &[] };
     let text = String::from_utf8(bytes.to_vec()).unwrap_or_else(|_| bytes.iter().map(|b| char::from(*b)).collect());
     Ok(text.trim_end_matches('\0').to_owned())

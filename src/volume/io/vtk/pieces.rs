@@ -8,10 +8,16 @@ use crate::volume::io::error::ReadError;
 use crate::volume::io::open::Chunks;
 use crate::volume::io::scalars::Scalars;
 
+/// How many pieces may lie in one slice: each is a file that is open.
+const MAX_OPEN: usize = 256;
+
+/// Opens a piece's numbers.
+pub(super) type Open = Box<dyn Fn() -> Result<Scalars, ReadError> + Send>;
+
 /// A piece of the image.
 pub(super) struct Part {
     pub extent: Extent,
-    pub scalars: Scalars,
+    pub open: Open,
 }
 
 /// The image's slices. Where pieces overlap the last one counts, as in VTK.
@@ -45,7 +51,9 @@ pub(super) fn in_slices(path: &Path, parts: Vec<Part>, whole: &Extent, choice: &
 struct Placed {
     start: [usize; 3],
     dims: [usize; 3],
-    scalars: Scalars,
+    open: Open,
+    /// Its numbers, from its first slice to its last.
+    scalars: Option<Scalars>,
 }
 
 impl Placed {
@@ -53,12 +61,27 @@ impl Placed {
         Self {
             start: std::array::from_fn(|a| part.extent.first[a].abs_diff(whole.first[a]) as usize),
             dims: part.extent.dims(of),
-            scalars: part.scalars,
+            open: part.open,
+            scalars: None,
         }
     }
 
     fn has(&self, z: usize) -> bool {
         (self.start[2]..self.start[2] + self.dims[2]).contains(&z)
+    }
+
+    /// Its numbers in its next slice, which is the image's `z`-th.
+    fn next(&mut self, z: usize, choice: &Choice) -> Result<Voxels, ReadError> {
+        let count = self.dims[0] * self.dims[1] * choice.components.count();
+        let scalars = match &mut self.scalars {
+            Some(scalars) => scalars,
+            none => none.insert((self.open)()?),
+        };
+        let numbers = scalars.next(count)?;
+        if !self.has(z + 1) {
+            self.scalars = None;
+        }
+        Ok(choice.components.one(numbers))
     }
 }
 
@@ -81,9 +104,13 @@ impl Assembly {
         let voxel = components.voxel(self.choice.stored.voxel());
         let mut slice = Voxels::zeros(voxel, nx * ny);
         let mut is_there = vec![false; nx * ny];
+        if self.parts.iter().filter(|p| p.has(z)).count() > MAX_OPEN {
+            let what = format!("more than {MAX_OPEN} of its pieces lie in one slice");
+            return Err(ReadError::unsupported(&self.path, what).hint("export it again, in one piece"));
+        }
         for part in self.parts.iter_mut().filter(|p| p.has(z)) {
             let [width, height, _] = part.dims;
-            let voxels = components.one(part.scalars.next(width * height * components.count())?);
+            let voxels = part.next(z, &self.choice)?;
             for y in 0..height {
                 let to = (part.start[1] + y) * nx + part.start[0];
                 slice.overwrite(to, &voxels, y * width..(y + 1) * width);

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::sync::Arc;
 
 use super::base64::Base64;
 use super::blocks::Blocks;
@@ -31,7 +32,7 @@ fn is_vtk_xml(start: &[u8]) -> bool {
 }
 
 fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
-    let header = Header::read(path)?;
+    let header = Arc::new(Header::read(path)?);
     let Some(first) = header.pieces.first() else {
         return Err(ReadError::header(path, "it has no Piece"));
     };
@@ -45,15 +46,18 @@ fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
             if !header.lattice.extent.contains(&piece.extent) {
                 return Err(ReadError::header(path, "a piece lies outside the image's WholeExtent"));
             }
-            let scalars = scalars(path, &header, &choice, piece.extent.dims(choice.of), &content)?;
+            let (extent, header, path) = (piece.extent, Arc::clone(&header), path.to_owned());
+            let open = move || scalars(&path, &header, &choice, extent.dims(choice.of), &content);
+            // What each declares is held against the file now, and it is opened again when its turn comes.
+            open().map(drop)?;
             Ok(Part {
-                extent: piece.extent,
-                scalars,
+                extent,
+                open: Box::new(open),
             })
         })
         .collect::<Result<Vec<_>, _>>()?;
     let chunks = match <[Part; 1]>::try_from(parts) {
-        Ok([part]) if part.extent == header.lattice.extent => part.scalars.chunks(choice.components),
+        Ok([part]) if part.extent == header.lattice.extent => (part.open)()?.chunks(choice.components),
         Ok([part]) => in_slices(path, vec![part], &header.lattice.extent, &choice)?,
         Err(parts) => in_slices(path, parts, &header.lattice.extent, &choice)?,
     };
