@@ -14,9 +14,10 @@
 
 mod blend;
 mod boxes;
+mod bundle;
 mod caster;
 mod classify;
-mod lanes;
+mod light;
 mod normals;
 mod rays;
 mod sample;

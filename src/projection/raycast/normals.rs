@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
+use super::voxels::ONE_NORMAL;
 use crate::projection::{EMPTY_BELOW, SoftNormals};
 use crate::target::{Block, BlockVoxels, Target};
 
@@ -13,7 +14,7 @@ pub fn voxel_normals(
     block: &Block,
     voxels: &BlockVoxels,
     scales: [f32; 2],
-) -> Vec<[f32; 4]> {
+) -> Vec<[i16; 4]> {
     let differences = Differences {
         matrix: soft.matrix().as_mat3(),
         heights: heights(voxels, scales),
@@ -55,12 +56,12 @@ struct Differences {
 }
 
 impl Differences {
-    fn normal(&self, [i, j, k]: [usize; 3]) -> [f32; 4] {
+    fn normal(&self, [i, j, k]: [usize; 3]) -> [i16; 4] {
         let [nx, ny, _] = self.dims;
         let at = i + nx * (j + ny * k);
         let half = |stride: usize| 0.5 * (self.heights[at + stride] - self.heights[at - stride]);
         let g = self.matrix * Vec3::new(half(1), half(nx), half(nx * ny));
         let m = g / (1.0 + g.length_squared()).sqrt();
-        [m.x, m.y, m.z, 0.0]
+        [m.x, m.y, m.z, 0.0].map(|part| (part * ONE_NORMAL + 0.5).floor() as i16)
     }
 }

@@ -89,10 +89,10 @@ impl TileRays {
         tile
     }
 
-    /// Where sampling point 0 of a pixel is, and how far the next one is from it.
+    /// Where sampling point 0 of a pixel is along an axis, and how far the next one is from it.
     #[inline(always)]
-    pub fn ray(&self, pixel: usize) -> [[f64; 3]; 2] {
-        [&self.origin, &self.step].map(|v| [v[0][pixel], v[1][pixel], v[2][pixel]])
+    pub fn axis(&self, axis: usize, pixel: usize) -> [f64; 2] {
+        [self.origin[axis][pixel], self.step[axis][pixel]]
     }
 
     /// The first plane, as a whole number, at or behind which a ray is at or beyond coordinate `face` of an axis, whichever way

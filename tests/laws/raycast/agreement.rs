@@ -17,7 +17,7 @@ fn drawing(spec: &FrameSpec) -> Drawing {
     Drawing {
         boxes: vec![spec.target.lattice.bounds()],
         storage: Storage {
-            rounding: fraction_rounding(spec),
+            rounding: 0.5 * Storage::STEP + fraction_rounding(spec),
             page_edge: 1.0,
         },
         precision: Precision {
