@@ -156,7 +156,7 @@ impl Case {
 
     fn difference(&self, ours: &Frame, theirs: &str) -> Outcome<Difference> {
         let name = format!("{PICTURES}/raycast-{}.png", self.what().replace(' ', "-"));
-        picture::compare(ours, theirs, &name)
+        picture::compare(ours, &picture::read(theirs)?, &name)
     }
 }
 

@@ -3,7 +3,6 @@
 use super::blend::{self, Pixels};
 use super::bundle::{Lanes, RAYS, SAMPLES, each, whole_f32};
 use super::light::{Cue, Lights};
-use super::rays::Rays;
 use super::sample::Places;
 use super::voxels::{CastBlock, ONE};
 use crate::projection::composite::Blending;
@@ -44,8 +43,8 @@ pub struct Bundle<'a> {
 }
 
 impl Classifier {
-    /// For the frame of `spec`.
-    pub fn new(spec: &FrameSpec, rays: &Rays) -> Self {
+    /// For the frame of `spec`, with its depth cue.
+    pub fn new(spec: &FrameSpec, cue: Cue) -> Self {
         let table = table(spec);
         let counts = table.iter().scan(0, |count, entry| {
             *count += u32::from(entry[3] > 0.0);
@@ -59,7 +58,7 @@ impl Classifier {
             table,
             slab_units: spec.slab_units().map(|units| units as f32),
             lights: spec.shading().map(|shading| Lights::new(spec, shading)),
-            cue: Cue::new(spec, rays),
+            cue,
         }
     }
 
@@ -197,10 +196,11 @@ impl Bundle<'_> {
     /// The soft normals of the samples that show.
     #[inline(always)]
     fn normals(&self, shown: &[bool; SAMPLES]) -> [[f32; 4]; SAMPLES] {
+        let stored = &self.block.normals[..];
         let mut normals = [[0.0; 4]; SAMPLES];
         for (n, normal) in normals.iter_mut().enumerate() {
             if shown[n] {
-                *normal = self.places.vector(self.block, &self.block.normals, n);
+                *normal = self.places.vector(self.block, stored, n);
             }
         }
         normals

@@ -3,9 +3,9 @@
 use glam::Vec3;
 
 use super::bundle::{Lanes, SAMPLES, each};
-use super::rays::Rays;
+use super::rays::{Depths, Rays};
 use super::voxels::ONE_NORMAL;
-use crate::projection::{FrameSpec, Light, Shading, eye_from_lattice};
+use crate::projection::{DepthCue, FrameSpec, Light, Shading};
 
 /// Lights and material, for normals in the world: see [`Shading::response`].
 pub struct Lights {
@@ -66,15 +66,14 @@ pub struct Cue {
 }
 
 impl Cue {
-    /// For the frame of `spec`.
-    pub fn new(spec: &FrameSpec, rays: &Rays) -> Self {
-        let lattice = &spec.target.lattice;
-        let depths = lattice.bounds().transformed(&eye_from_lattice(lattice, spec.camera));
-        let span = (depths.max.z - depths.min.z).max(f64::MIN_POSITIVE);
+    /// In `depths`, at the planes of `rays`.
+    pub fn new(cue: &DepthCue, depths: &Depths, rays: &Rays) -> Self {
+        let [near_mm, far_mm] = depths.cue_mm;
+        let span = (far_mm - near_mm).max(f64::MIN_POSITIVE);
         let [first_mm, step_mm] = rays.depth_mm();
         Self {
-            strength: spec.settings.depth_cue.strength,
-            first: ((first_mm - depths.min.z) / span) as f32,
+            strength: cue.strength,
+            first: ((first_mm - near_mm) / span) as f32,
             step: (step_mm / span) as f32,
         }
     }

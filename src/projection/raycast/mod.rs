@@ -17,6 +17,7 @@ mod boxes;
 mod bundle;
 mod caster;
 mod classify;
+mod levels;
 mod light;
 mod normals;
 mod rays;
@@ -25,5 +26,7 @@ mod template;
 mod tile;
 mod voxels;
 
-pub use caster::{RayCaster, draw};
+pub use caster::{RayCaster, accumulate, draw};
+pub use levels::draw_levels;
+pub use rays::Depths;
 pub use voxels::CastTarget;

@@ -1,8 +1,10 @@
 //! Soft normals of a block's voxels by central differences. A voxel beyond the lattice has the normal of the nearest one in it.
 
 use glam::{Mat3, Vec3};
+use rayon::prelude::*;
 
 use super::voxels::ONE_NORMAL;
+use crate::array::Array;
 use crate::projection::{EMPTY_BELOW, SoftNormals};
 use crate::target::{Block, BlockVoxels, Target};
 
@@ -14,7 +16,7 @@ pub fn voxel_normals(
     block: &Block,
     voxels: &BlockVoxels,
     scales: [f32; 2],
-) -> Vec<[i16; 4]> {
+) -> Array<[i16; 4]> {
     let differences = Differences {
         matrix: soft.matrix().as_mat3(),
         heights: heights(voxels, scales),
@@ -28,11 +30,13 @@ pub fn voxel_normals(
         let inside = beyond.clamp(Block::APRON, target.lattice.dims[axis] - 1 + Block::APRON);
         inside - block.origin[axis] + skip
     };
-    let mut normals = Vec::with_capacity(dims.iter().product());
-    for row in 0..dims[1] * dims[2] {
+    let mut normals = Array::<[i16; 4]>::zeroed(dims.iter().product());
+    normals.par_chunks_mut(dims[0]).enumerate().for_each(|(row, normals)| {
         let [j, k] = [nearest(1, row % dims[1]), nearest(2, row / dims[1])];
-        normals.extend((0..dims[0]).map(|i| differences.normal([nearest(0, i), j, k])));
-    }
+        for (i, normal) in normals.iter_mut().enumerate() {
+            *normal = differences.normal([nearest(0, i), j, k]);
+        }
+    });
     normals
 }
 
@@ -49,6 +53,11 @@ fn heights(voxels: &BlockVoxels, [scale, offset]: [f32; 2]) -> Vec<f32> {
     }
 }
 
+/// A part of a normal as it is stored: the nearest number, the higher of two.
+fn stored(part: f32) -> i16 {
+    (part * ONE_NORMAL + (ONE_NORMAL + 1.5)) as u16 as i16 ^ i16::MIN
+}
+
 struct Differences {
     matrix: Mat3,
     heights: Vec<f32>,
@@ -62,6 +71,6 @@ impl Differences {
         let half = |stride: usize| 0.5 * (self.heights[at + stride] - self.heights[at - stride]);
         let g = self.matrix * Vec3::new(half(1), half(nx), half(nx * ny));
         let m = g / (1.0 + g.length_squared()).sqrt();
-        [m.x, m.y, m.z, 0.0].map(|part| (part * ONE_NORMAL + 0.5).floor() as i16)
+        [m.x, m.y, m.z, 0.0].map(stored)
     }
 }

@@ -4,9 +4,11 @@
 //! coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
 //! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
 
+use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::normals::voxel_normals;
+use crate::array::Array;
 use crate::projection::{FrameSpec, SoftNormals};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
 
@@ -30,13 +32,13 @@ pub(super) struct CastBlock {
     /// How far apart stored neighbours are along each axis; 0 in a block of one value.
     pub strides: [i32; 3],
     /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`].
-    pub weighted: Vec<u16>,
+    pub weighted: Array<u16>,
     /// Coverage in parts of [`ONE`]; empty where it is 1 throughout.
-    pub coverage: Vec<u16>,
+    pub coverage: Array<u16>,
     /// Red, green and blue times opacity and coverage, in parts of [`ONE`], in a target of colours, else empty.
-    pub rgb: Vec<[u16; 4]>,
+    pub rgb: Array<[u16; 4]>,
     /// Soft normals in the world, in parts of [`ONE_NORMAL`]; empty if the target is not lit.
-    pub normals: Vec<[i16; 4]>,
+    pub normals: Array<[i16; 4]>,
 }
 
 impl CastTarget {
@@ -90,10 +92,10 @@ impl CastBlock {
         Self {
             first: [0; 3],
             strides: [0; 3],
-            weighted: vec![stored(value); 2],
-            coverage: Vec::new(),
-            rgb: Vec::new(),
-            normals: vec![[0; 4]; if lit { 2 } else { 0 }],
+            weighted: vec![stored(value); 2].into(),
+            coverage: Array::default(),
+            rgb: Array::default(),
+            normals: Array::zeroed(if lit { 2 } else { 0 }),
         }
     }
 
@@ -113,11 +115,11 @@ impl CastBlock {
             coverage: voxels
                 .coverage
                 .as_ref()
-                .map_or_else(Vec::new, |c| block_of.map(|n| stored(c[n]))),
+                .map_or_else(Array::default, |c| block_of.map(|n| stored(c[n]))),
             rgb: voxels
                 .rgb()
-                .map_or_else(Vec::new, |rgb| block_of.map(|n| colour(rgb[n]))),
-            normals: normals.map_or_else(Vec::new, |soft| {
+                .map_or_else(Array::default, |rgb| block_of.map(|n| colour(rgb[n]))),
+            normals: normals.map_or_else(Array::default, |soft| {
                 voxel_normals(soft, target, block, voxels, [scale, offset])
             }),
         }
@@ -132,15 +134,15 @@ struct Stored<'a> {
 
 impl Stored<'_> {
     /// What `f` makes of each of them, given its place among the reconstructed ones.
-    fn map<T>(&self, f: impl Fn(usize) -> T) -> Vec<T> {
+    fn map<T: Pod + Send>(&self, f: impl Fn(usize) -> T + Sync) -> Array<T> {
         let skip = self.voxels.apron - Block::APRON;
         let [nx, ny, nz] = self.block.stored_dims();
         let dims = self.voxels.dims;
-        let mut stored = Vec::with_capacity(nx * ny * nz);
-        for row in 0..ny * nz {
+        let mut all = Array::zeroed(nx * ny * nz);
+        all.par_chunks_mut(nx).enumerate().for_each(|(row, voxels)| {
             let begin = skip + dims[0] * (row % ny + skip + dims[1] * (row / ny + skip));
-            stored.extend((begin..begin + nx).map(&f));
-        }
-        stored
+            voxels.iter_mut().zip(begin..).for_each(|(voxel, n)| *voxel = f(n));
+        });
+        all
     }
 }
