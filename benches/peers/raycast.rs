@@ -4,8 +4,8 @@
 use rayon::ThreadPool;
 use serde::Serialize;
 use vcsg::image::Frame;
-use vcsg::projection::{FrameSpec, Settings};
 use vcsg::projection::raycast::{CastTarget, draw};
+use vcsg::projection::{FrameSpec, Settings};
 use vcsg::target::{Subdivision, Target};
 
 use crate::Outcome;

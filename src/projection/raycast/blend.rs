@@ -49,12 +49,12 @@ pub fn shown(blending: Blending, pixels: &Pixels, sources: &Sources) -> [bool; S
     let mut opacity = pixels.map(|pixel| pixel[3]);
     let mut shown = [false; STEPS * RAYS];
     for s in 0..STEPS {
-        for r in 0..RAYS {
+        for (r, opacity) in opacity.iter_mut().enumerate() {
             let n = s * RAYS + r;
             let source = sources[n][3];
-            let through = through(opacity[r]);
+            let through = through(*opacity);
             shown[n] = source > 0.0 && (blending != Blending::Over || through > 0.0);
-            opacity[r] += through * source;
+            *opacity += through * source;
         }
     }
     shown

@@ -45,8 +45,8 @@ impl Places {
                 }
             }
         }
-        for n in 0..SAMPLES {
-            places.corner[n] = if inside[n] { places.corner[n] } else { 0 };
+        for (corner, inside) in places.corner.iter_mut().zip(inside) {
+            *corner = if *inside { *corner } else { 0 };
         }
         places
     }

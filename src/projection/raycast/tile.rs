@@ -53,7 +53,7 @@ impl Tile {
         tile
     }
 
-    /// Goes on with the points in a box of the ray of `pixel` and its neighbours, up to plane `end`.
+    /// Goes on with those points of the rays of `pixel` and its neighbours that are in a box of `block`.
     #[inline(always)]
     fn march(&mut self, scene: &Scene, block: usize, pixel: usize, points: &Points) {
         const STEP: i32 = STEPS as i32;
@@ -79,9 +79,9 @@ impl Tile {
             }
             plane += STEP;
         }
-        for r in 0..RAYS {
-            self.pixels[pixel + r] = pixels[r];
-            if hides(scene.blending, &pixels[r]) {
+        for (r, blended) in pixels.into_iter().enumerate() {
+            self.pixels[pixel + r] = blended;
+            if hides(scene.blending, &blended) {
                 self.ends[pixel + r] = 0;
             }
         }
