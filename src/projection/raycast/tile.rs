@@ -12,7 +12,7 @@ use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
 
 /// Planes that a box is cast by at a time, all pixels of a tile: what they read stays in a processor's cache.
-const SLAB: i32 = 16;
+const SLAB: i32 = 32;
 
 /// All that tiles share.
 pub struct Scene<'a> {
