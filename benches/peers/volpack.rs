@@ -180,13 +180,15 @@ fn settings() -> Settings {
     }
 }
 
-/// A square of grey bytes as an opaque frame.
+/// A square of grey bytes, the lowest row first, as an opaque frame.
 fn grey(path: &str, edge: u32) -> Outcome<Frame> {
     let shade = |byte: u8| {
         let c = f32::from(byte) / 255.0;
         [c, c, c, 1.0]
     };
-    let pixels = std::fs::read(path)?.into_iter().map(shade).collect();
+    let bytes = std::fs::read(path)?;
+    let rows = bytes.chunks_exact(edge as usize).rev();
+    let pixels = rows.flatten().copied().map(shade).collect();
     Ok(Frame::from_pixels(edge, edge, pixels)?)
 }
 
