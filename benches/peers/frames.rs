@@ -215,7 +215,7 @@ impl Case {
 
     fn difference(&self, ours: &Frame, theirs: &str) -> Outcome<Difference> {
         let name = self.what().replace(' ', "-");
-        picture::compare(ours, theirs, &format!("{PICTURES}/{name}.png"))
+        picture::compare(ours, &picture::read(theirs)?, &format!("{PICTURES}/{name}.png"))
     }
 }
 

@@ -21,6 +21,7 @@ mod rows;
 mod runs;
 mod scene;
 mod surfaces;
+mod volpack;
 mod vtk;
 
 use std::error::Error;
@@ -93,6 +94,7 @@ struct Report {
     machine: Machine,
     frames: Vec<frames::Comparison>,
     raycast: Vec<raycast::Comparison>,
+    volpack: Vec<volpack::Comparison>,
     rates: rates::Rates,
     resampling: Vec<resampling::Comparison>,
     deformation: Vec<deformation::Comparison>,
@@ -144,7 +146,8 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return frames::compare(&drawing::open_device()?, name, arguments.repetitions()).map(|_| 0);
     }
     if let Some(name) = &arguments.raycast {
-        return raycast::compare(name, arguments.repetitions().runs).map(|_| 0);
+        raycast::compare(name, arguments.repetitions().runs)?;
+        return volpack::compare(name, arguments.repetitions().runs).map(|_| 0);
     }
     if arguments.resampling {
         return resampling::compare(arguments.repetitions().runs).map(|_| 0);
@@ -183,6 +186,7 @@ impl Report {
             machine,
             frames: frames::compare(&device, "", repetitions)?,
             raycast: raycast::compare("", repetitions.runs)?,
+            volpack: volpack::compare("", repetitions.runs)?,
             rates: rates::measure(&device, repetitions.runs)?,
             resampling: resampling::compare(repetitions.runs)?,
             deformation: deformation::compare(repetitions.runs)?,
@@ -197,6 +201,7 @@ impl Report {
     fn bars(&self) -> Vec<&Bar> {
         let frames = self.frames.iter().map(|c| &c.bar);
         let raycast = self.raycast.iter().flat_map(|c| &c.bars);
+        let volpack = self.volpack.iter().map(|c| &c.bar);
         let rates = self.rates.rates.iter().filter_map(|r| r.bar.as_ref());
         let resampling = self.resampling.iter().map(|c| &c.bar);
         let deformation = self.deformation.iter().flat_map(|c| &c.bars);
@@ -207,6 +212,7 @@ impl Report {
         let reading = self.reading.iter().map(|c| &c.bar);
         frames
             .chain(raycast)
+            .chain(volpack)
             .chain(rates)
             .chain(resampling)
             .chain(deformation)

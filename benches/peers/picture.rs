@@ -22,14 +22,13 @@ pub struct Difference {
     pub picture: String,
 }
 
-/// The difference between our frame and their picture file; both are shown beside each other in the new file `panels_path`.
-pub fn compare(ours: &Frame, theirs: &str, panels_path: &str) -> Outcome<Difference> {
+/// The difference between our frame and their picture; both are shown beside each other in the new file `panels_path`.
+pub fn compare(ours: &Frame, theirs: &Frame, panels_path: &str) -> Outcome<Difference> {
     let ours = ours.over([0.0; 3]);
-    let theirs = read(theirs)?;
-    save(&panels(&theirs, &ours)?, Path::new(panels_path), &[])?;
+    save(&panels(theirs, &ours)?, Path::new(panels_path), &[])?;
     let bytes = |frame: &Frame| frame.to_straight_rgba8();
     let mut apart = Vec::new();
-    for (a, b) in bytes(&ours).chunks(4).zip(bytes(&theirs).chunks(4)) {
+    for (a, b) in bytes(&ours).chunks(4).zip(bytes(theirs).chunks(4)) {
         if a[..3] != [0; 3] || b[..3] != [0; 3] {
             apart.extend((0..3).map(|c| a[c].abs_diff(b[c])));
         }
@@ -48,7 +47,7 @@ pub fn compare(ours: &Frame, theirs: &str, panels_path: &str) -> Outcome<Differe
 }
 
 /// A picture file as an opaque frame.
-fn read(path: &str) -> Outcome<Frame> {
+pub fn read(path: &str) -> Outcome<Frame> {
     let picture = image::open(path)?.to_rgb8();
     let opaque = |p: &image::Rgb<u8>| {
         let [r, g, b] = p.0.map(|c| f32::from(c) / 255.0);

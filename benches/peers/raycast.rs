@@ -4,8 +4,8 @@
 use rayon::ThreadPool;
 use serde::Serialize;
 use vcsg::image::Frame;
-use vcsg::projection::FrameSpec;
 use vcsg::projection::raycast::{CastTarget, draw};
+use vcsg::projection::{FrameSpec, Settings};
 use vcsg::target::{Subdivision, Target};
 
 use crate::Outcome;
@@ -82,6 +82,17 @@ pub fn compare(name: &str, runs: usize) -> Outcome<Vec<Comparison>> {
     Ok(done)
 }
 
+/// Those of frames, but that this mapper adds no ambient light, and that its highlight follows the half-way vector, as ours does: a
+/// least-squares fit of its shaded pixels to the sums along their rays gives 0.01 to 0.02 for the one, and leaves least of the other with power 8.
+fn settings(shaded: bool) -> Settings {
+    let mut settings = scene::settings(shaded);
+    if let Some(shading) = &mut settings.shading {
+        shading.material.ambient = 0.0;
+        shading.material.shininess_log2 = 3;
+    }
+    settings
+}
+
 impl Case {
     fn what(&self) -> String {
         let light = if self.shaded { "shaded" } else { "unshaded" };
@@ -108,7 +119,7 @@ impl Case {
         let look = Look {
             transfer: scene::transfer(self.table)?,
             camera: about.view.camera(self.edge),
-            settings: scene::settings(self.shaded),
+            settings: settings(self.shaded),
         };
         let model = scene::bare(&scene::bricks(self.volume)?);
         let target = Target::build(&model, None, &Subdivision::default())?;
@@ -156,7 +167,7 @@ impl Case {
 
     fn difference(&self, ours: &Frame, theirs: &str) -> Outcome<Difference> {
         let name = format!("{PICTURES}/raycast-{}.png", self.what().replace(' ', "-"));
-        picture::compare(ours, theirs, &name)
+        picture::compare(ours, &picture::read(theirs)?, &name)
     }
 }
 

@@ -45,7 +45,7 @@ fn run(script: &mut Command) -> Outcome<()> {
     }
 }
 
-/// A script of tools/peers that serves: it draws or computes once for every line it is sent.
+/// A script or program of tools/peers that serves: it draws or computes once for every line it is sent.
 pub struct Peer {
     child: Child,
     /// `None` once it has been told to end.
@@ -57,24 +57,28 @@ pub struct Peer {
 impl Peer {
     /// Starts `script`; returns it warmed up, with what it says about itself.
     pub fn start<T: DeserializeOwned>(script: &'static str, arguments: &[&str]) -> Outcome<(Self, T)> {
-        let mut child = Command::new(PYTHON)
+        let mut command = Command::new(PYTHON);
+        command
             .arg(script)
             .args(arguments)
             .arg("--serve")
             // Both sides draw on Mesa's processor driver, whatever else the machine has.
             .env("LIBGL_ALWAYS_SOFTWARE", "1")
             // NumPy only holds the voxels: its threads would stand between those that are pinned.
-            .env("OPENBLAS_NUM_THREADS", "1")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()?;
+            .env("OPENBLAS_NUM_THREADS", "1");
+        Self::serve(&mut command, script)
+    }
+
+    /// Starts a program that serves, and is called `name`; returns it likewise.
+    pub fn serve<T: DeserializeOwned>(program: &mut Command, name: &'static str) -> Outcome<(Self, T)> {
+        let mut child = program.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
         let requests = child.stdin.take();
         let answers = child.stdout.take().ok_or("a pipe was asked for")?;
         let mut peer = Self {
             child,
             requests,
             answers: BufReader::new(answers),
-            script,
+            script: name,
         };
         let about = peer.answer()?;
         Ok((peer, about))

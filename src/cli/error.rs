@@ -4,9 +4,9 @@ use std::io::{self, Write};
 
 use crate::gpu::GpuError;
 use crate::image::EncodeError;
-use crate::projection::ProjectError;
 use crate::projection::volume_property::VolumePropertyError;
-use crate::render::{DeviceMeshError, DrawLevelsError};
+use crate::projection::{DrawLevelsError, ProjectError};
+use crate::render::DeviceMeshError;
 use crate::scene::SceneError;
 use crate::surface::ExtractError;
 use crate::surface::io::MeshWriteError;

@@ -10,8 +10,8 @@ use crate::image::Frame;
 use crate::math::Aabb;
 use crate::projection::presets::DataStatistics;
 use crate::projection::raycast::{self, CastTarget};
-use crate::projection::{Camera, FrameSpec, Projector, Reference, Settings, TransferFunction};
-use crate::render::{LevelsFrame, LevelsSpec, PagedTarget, SliceRenderer, soft_normals};
+use crate::projection::{Camera, FrameSpec, LevelsFrame, LevelsSpec, Projector, Reference, Settings, TransferFunction};
+use crate::render::{PagedTarget, SliceRenderer, soft_normals};
 use crate::scene::{Scene, TransferSpec};
 use crate::target::Target;
 
@@ -68,15 +68,20 @@ impl Renderer {
     /// Draws a frame of several levels.
     ///
     /// # Errors
-    /// As [`Self::draw`]; on the processor there is one level.
+    /// As [`Self::draw`]; the reference has one level.
     pub fn draw_levels(&mut self, spec: &LevelsSpec) -> Result<LevelsFrame, CliError> {
-        let Self::Slices(renderer) = self else {
-            let why = "on the processor there is one level: set `levels` to 1, or take --renderer slices";
-            return Err(CliError::Usage(why.into()));
-        };
-        let device = Arc::clone(renderer.device());
-        let drawn = renderer.draw_levels(spec)?;
-        without_messages(&device, drawn)
+        match self {
+            Self::Slices(renderer) => {
+                let device = Arc::clone(renderer.device());
+                let drawn = renderer.draw_levels(spec)?;
+                without_messages(&device, drawn)
+            }
+            Self::RayCaster => Ok(raycast::draw_levels(spec)?),
+            Self::Reference => {
+                let why = "the reference has one level: set `levels` to 1, or take another --renderer";
+                Err(CliError::Usage(why.into()))
+            }
+        }
     }
 
     /// Draws `surfaces` alone.

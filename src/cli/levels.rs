@@ -6,8 +6,7 @@ use super::CliError;
 use super::console::Stages;
 use super::job::{Renderer, transfer_function};
 use crate::image::Frame;
-use crate::projection::Camera;
-use crate::render::{LevelsSpec, ZoneDrawn};
+use crate::projection::{Camera, LevelsSpec, ZoneDrawn};
 use crate::scene::Scene;
 use crate::target::{Levels, Target};
 

@@ -22,6 +22,7 @@ mod table;
 mod template;
 mod visibility;
 pub mod volume_property;
+mod zones;
 
 pub use crate::model::{ControlPoint, TransferError, TransferFunction};
 pub use camera::{Camera, Lens, Projection, View};
@@ -39,3 +40,4 @@ pub use slopes::{Slopes, half_differences};
 pub use table::TransferTable;
 pub use template::{MAX_SEGMENTS, MAX_VERTICES, MovingVertex, Segment, Template};
 pub use visibility::{DrawCost, Visibility, VisibleValues};
+pub use zones::{DrawLevelsError, LevelsFrame, LevelsSpec, ZoneDrawn, ZonePicture};

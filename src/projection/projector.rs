@@ -42,6 +42,14 @@ pub enum ProjectError {
         /// The longest side possible.
         limit: u32,
     },
+    /// Samples are too close.
+    #[error("{samples_per_voxel} samples a voxel are more than {limit} along a ray: take fewer")]
+    Planes {
+        /// What was asked for.
+        samples_per_voxel: f64,
+        /// The most samples along a ray.
+        limit: i64,
+    },
 }
 
 /// A renderer: target and view in, premultiplied frame out.

@@ -17,7 +17,6 @@ mod surfaces;
 mod texels;
 
 pub use depths::DepthScale;
-pub use levels::{DrawLevelsError, LevelsFrame, LevelsSpec, ZoneDrawn};
 pub use mesh::{DeviceMesh, DeviceMeshError, ShownMesh};
 pub use pages::{Page, PagedTarget, Slot};
 pub use slices::{SliceRenderer, Slices, Timings, plan, soft_normals};

@@ -8,8 +8,8 @@ use vcsg::image::Frame;
 use vcsg::math::Aabb;
 use vcsg::model::{BooleanOp, Family, Model, Node, ValueRule};
 use vcsg::projection::levels::{Zone, Zones, footprint};
-use vcsg::projection::{Camera, ControlPoint, FrameSpec, Mode, Settings, TransferFunction};
-use vcsg::render::{LevelsFrame, LevelsSpec, PagedTarget, SliceRenderer, soft_normals};
+use vcsg::projection::{Camera, ControlPoint, FrameSpec, LevelsFrame, LevelsSpec, Mode, Settings, TransferFunction};
+use vcsg::render::{PagedTarget, SliceRenderer, soft_normals};
 use vcsg::target::{Levels, Subdivision, Target};
 use vcsg::voxelize::{Primitive, Solid};
 

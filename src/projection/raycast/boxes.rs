@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::template::Template;
 use super::voxels::CastTarget;
 use crate::math::affine;
-use crate::projection::{Camera, DrawCost, FrameSpec, Visibility, VisibleBox, VisibleValues, eye_from_lattice};
+use crate::projection::{Camera, DrawCost, FrameSpec, Planes, Visibility, VisibleBox, VisibleValues, eye_from_lattice};
 use crate::target::CELL;
 
 /// A box and where it is seen.
@@ -18,8 +18,8 @@ pub struct CastBox {
     pub pixels: [std::ops::Range<u32>; 2],
 }
 
-/// The boxes of a frame, from front to back.
-pub fn front_to_back(spec: &FrameSpec, target: &CastTarget) -> Vec<CastBox> {
+/// The boxes of a frame that is sampled at `planes`, from front to back.
+pub fn front_to_back(spec: &FrameSpec, target: &CastTarget, planes: &Planes) -> Vec<CastBox> {
     let values = VisibleValues::in_frame(spec);
     let visibility = Visibility {
         target: spec.target,
@@ -27,7 +27,7 @@ pub fn front_to_back(spec: &FrameSpec, target: &CastTarget) -> Vec<CastBox> {
         values: &values,
         min_cube: 2 * CELL,
         horizon: None,
-        cost: DrawCost::of_rays(&spec.target.lattice, spec.camera, &spec.planes()),
+        cost: DrawCost::of_rays(&spec.target.lattice, spec.camera, planes),
     };
     let lattice = &spec.target.lattice;
     let lattice_from_world = lattice.world_from_lattice.inverse();

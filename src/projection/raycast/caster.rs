@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::boxes;
 use super::classify::Classifier;
-use super::rays::{Rays, TILE};
+use super::light::Cue;
+use super::rays::{Depths, Rays, TILE};
 use super::tile::{Scene, Tile};
 use super::voxels::CastTarget;
 use crate::image::Frame;
@@ -38,11 +39,26 @@ fn check(spec: &FrameSpec) -> Result<(), ProjectError> {
 /// for [`composite::over_surfaces`].
 ///
 /// # Errors
-/// If the frame's size is impossible, or its mode shows values where there are colours.
+/// If the frame's size is impossible, its mode shows values where there are colours, or samples are too close.
 pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) -> Result<Frame, ProjectError> {
+    let frame = accumulate(spec, target, &Depths::of(spec), surfaces_mm)?;
+    let range = spec.target.value_range;
+    Ok(composite::resolve(spec.settings.mode, &frame, range, spec.transfer))
+}
+
+/// Likewise in a part of the frame's depths, what its mode accumulates there: see [`composite::resolve`].
+///
+/// # Errors
+/// As [`draw`].
+pub fn accumulate(
+    spec: &FrameSpec,
+    target: &CastTarget,
+    depths: &Depths,
+    surfaces_mm: Option<&[f32]>,
+) -> Result<Frame, ProjectError> {
     check(spec)?;
     let [width, height] = spec.camera.size;
-    let rays = Rays::new(spec);
+    let rays = Rays::new(spec, depths)?;
     let [first_mm, step_mm] = rays.depth_mm();
     let planes = rays.planes;
     let stop = |x: u32, y: u32| {
@@ -53,8 +69,8 @@ pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) 
     };
     let scene = Scene {
         target,
-        boxes: &boxes::front_to_back(spec, target),
-        classifier: Classifier::new(spec, &rays),
+        boxes: &boxes::front_to_back(spec, target, &depths.planes),
+        classifier: Classifier::new(spec, Cue::new(&spec.settings.depth_cue, depths, &rays)),
         rays,
         blending: spec.settings.mode.blending(),
         size: spec.camera.size,
@@ -65,12 +81,7 @@ pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) 
     let band = TILE * width as usize;
     let bands = frame.pixels_mut().par_chunks_mut(band).enumerate();
     bands.for_each(|(n, band)| cast_band(&scene, (n * TILE) as u32, band));
-    Ok(composite::resolve(
-        spec.settings.mode,
-        &frame,
-        spec.target.value_range,
-        spec.transfer,
-    ))
+    Ok(frame)
 }
 
 /// Casts the tiles of the rows of `band`, the first of which is `top`.

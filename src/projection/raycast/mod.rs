@@ -14,9 +14,11 @@
 
 mod blend;
 mod boxes;
+mod bundle;
 mod caster;
 mod classify;
-mod lanes;
+mod levels;
+mod light;
 mod normals;
 mod rays;
 mod sample;
@@ -24,5 +26,7 @@ mod template;
 mod tile;
 mod voxels;
 
-pub use caster::{RayCaster, draw};
+pub use caster::{RayCaster, accumulate, draw};
+pub use levels::draw_levels;
+pub use rays::Depths;
 pub use voxels::CastTarget;

@@ -1,7 +1,10 @@
 //! Soft normals of a block's voxels. A voxel beyond the lattice has the normal of the nearest one in it.
 
 use glam::{Mat3, Vec3};
+use rayon::prelude::*;
 
+use super::voxels::ONE_NORMAL;
+use crate::array::Array;
 use crate::projection::{EMPTY_BELOW, Slopes, SoftNormals};
 use crate::target::{Block, BlockVoxels, Target};
 
@@ -13,7 +16,7 @@ pub fn voxel_normals(
     block: &Block,
     voxels: &BlockVoxels,
     scales: [f32; 2],
-) -> Vec<[f32; 4]> {
+) -> Array<[i16; 4]> {
     let (matrix, heights) = (soft.matrix().as_mat3(), heights(voxels, scales));
     let dims = block.stored_dims();
     let skip = voxels.apron - Block::APRON;
@@ -23,23 +26,26 @@ pub fn voxel_normals(
         let inside = beyond.clamp(Block::APRON, target.lattice.dims[axis] - 1 + Block::APRON);
         inside - block.origin[axis] + skip
     };
-    let mut normals = Vec::with_capacity(dims.iter().product());
+    let mut normals = Array::<[i16; 4]>::zeroed(dims.iter().product());
     let [first, last] = [nearest(0, 0), nearest(0, dims[0] - 1)];
-    let (mut slopes, mut found) = (Slopes::default(), vec![Vec3::ZERO; last + 1 - first]);
-    for row in 0..dims[1] * dims[2] {
+    let scratch = || (Slopes::default(), vec![Vec3::ZERO; last + 1 - first]);
+    let rows = normals.par_chunks_mut(dims[0]).enumerate();
+    rows.for_each_init(scratch, |(slopes, found), (row, normals)| {
         let [j, k] = [nearest(1, row % dims[1]), nearest(2, row / dims[1])];
         let begin = first + voxels.dims[0] * (j + voxels.dims[1] * k);
-        slopes.of_row(&heights, voxels.dims, begin, &mut found);
-        normals.extend((0..dims[0]).map(|i| normal(&matrix, found[nearest(0, i) - first])));
-    }
+        slopes.of_row(&heights, voxels.dims, begin, found);
+        for (i, stored) in normals.iter_mut().enumerate() {
+            *stored = normal(&matrix, found[nearest(0, i) - first]);
+        }
+    });
     normals
 }
 
 /// The soft normal of a slope.
-fn normal(matrix: &Mat3, slope: Vec3) -> [f32; 4] {
+fn normal(matrix: &Mat3, slope: Vec3) -> [i16; 4] {
     let g = *matrix * slope;
     let m = g / (1.0 + g.length_squared()).sqrt();
-    [m.x, m.y, m.z, 0.0]
+    [m.x, m.y, m.z, 0.0].map(stored)
 }
 
 /// What normals are made of: see [`SoftNormals`].
@@ -53,4 +59,9 @@ fn heights(voxels: &BlockVoxels, [scale, offset]: [f32; 2]) -> Vec<f32> {
             pairs.map(|(v, c)| scale * v + offset * c).collect()
         }
     }
+}
+
+/// A part of a normal as it is stored: the nearest number, the higher of two.
+fn stored(part: f32) -> i16 {
+    (part * ONE_NORMAL + (ONE_NORMAL + 1.5)) as u16 as i16 ^ i16::MIN
 }

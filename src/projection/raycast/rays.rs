@@ -7,13 +7,40 @@
 use glam::{DAffine3, DVec3};
 
 use crate::math::affine;
-use crate::projection::{Camera, FrameSpec, Lens, eye_from_lattice};
+use crate::projection::{Camera, FrameSpec, Lens, Planes, ProjectError, eye_from_lattice};
 
 /// Pixels along a tile's edge.
 pub const TILE: usize = 16;
 
 /// Pixels of a tile.
 pub const TILE_PIXELS: usize = TILE * TILE;
+
+/// The most planes that rays are sampled at: plane numbers are exact in single precision.
+const MOST_PLANES: i64 = 1 << 24;
+
+/// A stretch of depth, as a frame samples it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Depths {
+    /// The sampling planes.
+    pub planes: Planes,
+    /// Where it begins and ends, millimetres from the eye; it is what is not before the one and is before the other.
+    pub within_mm: [f64; 2],
+    /// The depths that a depth cue spans, millimetres.
+    pub cue_mm: [f64; 2],
+}
+
+impl Depths {
+    /// All of a frame.
+    pub fn of(spec: &FrameSpec) -> Self {
+        let lattice = &spec.target.lattice;
+        let depths = lattice.bounds().transformed(&eye_from_lattice(lattice, spec.camera));
+        Self {
+            planes: spec.planes(),
+            within_mm: [depths.min.z, depths.max.z],
+            cue_mm: [depths.min.z, depths.max.z],
+        }
+    }
+}
 
 /// The rays of a frame.
 pub struct Rays<'a> {
@@ -27,20 +54,28 @@ pub struct Rays<'a> {
 }
 
 impl<'a> Rays<'a> {
-    /// The rays of the frame of `spec`.
-    pub fn new(spec: &FrameSpec<'a>) -> Self {
-        let lattice = &spec.target.lattice;
-        let eye_from_lattice = eye_from_lattice(lattice, spec.camera);
-        let depths = lattice.bounds().transformed(&eye_from_lattice);
-        let planes = spec.planes();
-        let range = planes.between(depths.min.z.max(spec.camera.near_mm()), depths.max.z);
-        Self {
-            camera: spec.camera,
-            lattice_from_eye: eye_from_lattice.inverse(),
-            first_mm: planes.depth(range.start),
-            step_mm: planes.step_mm,
-            planes: i32::try_from((range.end - range.start).max(0)).unwrap_or(i32::MAX),
+    /// The rays of the frame of `spec` in `depths`.
+    ///
+    /// # Errors
+    /// If there are too many planes.
+    pub fn new(spec: &FrameSpec<'a>, depths: &Depths) -> Result<Self, ProjectError> {
+        let [near_mm, far_mm] = depths.within_mm;
+        let range = depths.planes.between(near_mm.max(spec.camera.near_mm()), far_mm);
+        let planes = range.end.saturating_sub(range.start).max(0);
+        if planes > MOST_PLANES {
+            let (samples_per_voxel, limit) = (spec.settings.samples_per_voxel, MOST_PLANES);
+            return Err(ProjectError::Planes {
+                samples_per_voxel,
+                limit,
+            });
         }
+        Ok(Self {
+            camera: spec.camera,
+            lattice_from_eye: eye_from_lattice(&spec.target.lattice, spec.camera).inverse(),
+            first_mm: depths.planes.depth(range.start),
+            step_mm: depths.planes.step_mm,
+            planes: planes as i32,
+        })
     }
 
     /// Depth of plane `k`, millimetres: `first + k·step`.
@@ -89,10 +124,10 @@ impl TileRays {
         tile
     }
 
-    /// Where sampling point 0 of a pixel is, and how far the next one is from it.
+    /// Where sampling point 0 of a pixel is along an axis, and how far the next one is from it.
     #[inline(always)]
-    pub fn ray(&self, pixel: usize) -> [[f64; 3]; 2] {
-        [&self.origin, &self.step].map(|v| [v[0][pixel], v[1][pixel], v[2][pixel]])
+    pub fn axis(&self, axis: usize, pixel: usize) -> [f64; 2] {
+        [self.origin[axis][pixel], self.step[axis][pixel]]
     }
 
     /// The first plane, as a whole number, at or behind which a ray is at or beyond coordinate `face` of an axis, whichever way

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::blend::{hides, under};
+use super::blend::{Pixels, hides, under};
 use super::boxes::CastBox;
-use super::classify::{Classifier, Run};
-use super::lanes::LANES;
+use super::bundle::{RAYS, SAMPLES, STEPS};
+use super::classify::{Bundle, Classifier};
 use super::rays::{Rays, TILE, TILE_PIXELS, TileRays};
 use super::sample::Places;
 use super::voxels::CastTarget;
@@ -53,37 +53,72 @@ impl Tile {
         tile
     }
 
-    /// Goes on with the points of a pixel's ray that are in a box of `block`.
+    /// Goes on with those points of the rays of `pixel` and its neighbours that are in a box of `block`.
     #[inline(always)]
-    fn march(&mut self, scene: &Scene, block: usize, pixel: usize, points: Range<i32>) {
-        const STEP: i32 = LANES as i32;
+    fn march(&mut self, scene: &Scene, block: usize, pixel: usize, points: &Points) {
+        const STEP: i32 = STEPS as i32;
         let block = &scene.target.blocks[block];
-        let ray = self.rays.ray(pixel);
-        let path = self.paths[pixel];
-        let mut blended = self.pixels[pixel];
-        let mut plane = points.start - points.start % STEP;
-        while plane < points.end {
-            let lanes = (points.start - plane).max(0) as usize..(points.end - plane).min(STEP) as usize;
-            let run = Run {
+        let paths = std::array::from_fn(|r| self.paths[pixel + r]);
+        let mut pixels: Pixels = std::array::from_fn(|r| self.pixels[pixel + r]);
+        let (first, last) = points.planes();
+        let mut plane = first - first % STEP;
+        while plane < last {
+            let inside = points.inside(plane);
+            let bundle = Bundle {
                 block,
-                places: Places::new(block, &ray, plane, &lanes),
-                lanes: lanes.clone(),
+                places: Places::new(block, &self.rays, pixel, plane, &inside),
+                inside,
                 plane,
-                path,
+                paths,
             };
-            if let Some(sources) = scene.classifier.sources(&run) {
-                for source in &sources[lanes] {
-                    under(scene.blending, &mut blended, source);
-                    if hides(scene.blending, &blended) {
-                        self.ends[pixel] = 0;
-                        self.pixels[pixel] = blended;
-                        return;
-                    }
+            if let Some(sources) = scene.classifier.sources(&bundle, &pixels) {
+                under(scene.blending, &mut pixels, &sources);
+                if pixels.iter().all(|pixel| hides(scene.blending, pixel)) {
+                    break;
                 }
             }
             plane += STEP;
         }
-        self.pixels[pixel] = blended;
+        for (r, blended) in pixels.into_iter().enumerate() {
+            self.pixels[pixel + r] = blended;
+            if hides(scene.blending, &blended) {
+                self.ends[pixel + r] = 0;
+            }
+        }
+    }
+}
+
+/// The covered sampling points of the rays of a bundle.
+struct Points {
+    begin: [i32; RAYS],
+    end: [i32; RAYS],
+}
+
+impl Points {
+    /// The first plane of any, and the first one behind all.
+    #[inline(always)]
+    fn planes(&self) -> (i32, i32) {
+        let (mut first, mut last) = (i32::MAX, 0);
+        for r in 0..RAYS {
+            if self.begin[r] < self.end[r] {
+                first = first.min(self.begin[r]);
+                last = last.max(self.end[r]);
+            }
+        }
+        (first, last)
+    }
+
+    /// Which samples of the bundle that begins at `plane` they are.
+    #[inline(always)]
+    fn inside(&self, plane: i32) -> [bool; SAMPLES] {
+        let mut inside = [false; SAMPLES];
+        for s in 0..STEPS {
+            for r in 0..RAYS {
+                let plane = plane + s as i32;
+                inside[s * RAYS + r] = self.begin[r] <= plane && plane < self.end[r];
+            }
+        }
+        inside
     }
 }
 
@@ -101,12 +136,12 @@ fn cast_boxes(tile: &mut Tile, scene: &Scene, first: [u32; 2]) {
         let covered = Covered::new(tile, cast_box, columns, rows);
         let mut slab = covered.planes.start - covered.planes.start % SLAB;
         while slab < covered.planes.end {
-            for pixel in covered.pixels() {
-                let end = covered.end[pixel].min(tile.ends[pixel]).min(slab + SLAB);
-                let begin = covered.begin[pixel].max(slab);
-                if begin < end {
-                    tile.march(scene, cast_box.block, pixel, begin..end);
-                }
+            for pixel in covered.bundles() {
+                let points = Points {
+                    begin: std::array::from_fn(|r| covered.begin[pixel + r].max(slab)),
+                    end: std::array::from_fn(|r| covered.end[pixel + r].min(tile.ends[pixel + r]).min(slab + SLAB)),
+                };
+                tile.march(scene, cast_box.block, pixel, &points);
             }
             slab += SLAB;
         }
@@ -149,10 +184,11 @@ impl Covered {
         }
     }
 
+    /// The first pixel of each bundle.
     #[inline(always)]
-    fn pixels(&self) -> impl Iterator<Item = usize> + use<> {
-        let columns = self.columns.clone();
-        let pixels = move |row: usize| columns.clone().map(move |column| row * TILE + column);
+    fn bundles(&self) -> impl Iterator<Item = usize> + use<> {
+        let columns = self.columns.start / RAYS * RAYS..self.columns.end;
+        let pixels = move |row: usize| columns.clone().step_by(RAYS).map(move |column| row * TILE + column);
         self.rows.clone().flat_map(pixels)
     }
 }

@@ -1,14 +1,22 @@
 //! Blocks as rays sample them.
 //!
-//! *Practice.* Values are fractions of the target's value range times coverage, so nothing is scaled in a frame. Soft normals are made
-//! once, for all frames with one [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of
-//! which many more are read.
+//! *Practice.* All is stored in the 16 bits that slices on a device store: values are fractions of the target's value range times
+//! coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
+//! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
 
+use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::normals::voxel_normals;
+use crate::array::Array;
 use crate::projection::{FrameSpec, SoftNormals};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
+
+/// What is stored for 1.
+pub(super) const ONE: f32 = 65535.0;
+
+/// What is stored for a part of a normal of 1.
+pub(super) const ONE_NORMAL: f32 = 32767.0;
 
 /// A target ready to be cast.
 pub struct CastTarget {
@@ -23,14 +31,14 @@ pub(super) struct CastBlock {
     pub first: [i32; 3],
     /// How far apart stored neighbours are along each axis; 0 in a block of one value.
     pub strides: [i32; 3],
-    /// Fraction of the value range, or opacity, times coverage.
-    pub weighted: Vec<f32>,
-    /// Coverage; empty where it is 1 throughout.
-    pub coverage: Vec<f32>,
-    /// Red, green and blue times opacity and coverage in a target of colours, else empty.
-    pub rgb: Vec<[f32; 4]>,
-    /// Soft normals in the world, empty if the target is not lit.
-    pub normals: Vec<[f32; 4]>,
+    /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`].
+    pub weighted: Array<u16>,
+    /// Coverage in parts of [`ONE`]; empty where it is 1 throughout.
+    pub coverage: Array<u16>,
+    /// Red, green and blue times opacity and coverage, in parts of [`ONE`], in a target of colours, else empty.
+    pub rgb: Array<[u16; 4]>,
+    /// Soft normals in the world, in parts of [`ONE_NORMAL`]; empty if the target is not lit.
+    pub normals: Array<[i16; 4]>,
 }
 
 impl CastTarget {
@@ -48,6 +56,12 @@ impl CastTarget {
             .map(|s| SoftNormals::new(&spec.target.lattice, s.soft_gradient));
         Self::new(spec.target, normals.as_ref())
     }
+}
+
+/// A fraction of 1 as it is stored. Rust's float casts saturate.
+#[inline(always)]
+fn stored(fraction: f32) -> u16 {
+    (fraction * ONE + 0.5) as u16
 }
 
 /// The scales of value times coverage and of coverage that sum up to the fraction of the value range times coverage.
@@ -81,29 +95,34 @@ impl CastBlock {
         Self {
             first: [0; 3],
             strides: [0; 3],
-            weighted: vec![value; 2],
-            coverage: Vec::new(),
-            rgb: Vec::new(),
-            normals: vec![[0.0; 4]; if lit { 2 } else { 0 }],
+            weighted: vec![stored(value); 2].into(),
+            coverage: Array::default(),
+            rgb: Array::default(),
+            normals: Array::zeroed(if lit { 2 } else { 0 }),
         }
     }
 
     fn new(target: &Target, block: &Block, voxels: &BlockVoxels, normals: Option<&SoftNormals>) -> Self {
         let [scale, offset] = fraction_scales(target);
-        let stored = Stored { block, voxels };
+        let block_of = Stored { block, voxels };
         let dims = block.stored_dims();
         let weighted = match &voxels.coverage {
-            None => stored.map(|n| scale * voxels.premultiplied[n] + offset),
-            Some(c) => stored.map(|n| scale * voxels.premultiplied[n] + offset * c[n]),
+            None => block_of.map(|n| stored(scale * voxels.premultiplied[n] + offset)),
+            Some(c) => block_of.map(|n| stored(scale * voxels.premultiplied[n] + offset * c[n])),
         };
-        let colour = |[r, g, b]: [f32; 3]| [r, g, b, 0.0];
+        let colour = |[r, g, b]: [f32; 3]| [r, g, b, 0.0].map(stored);
         Self {
             first: block.origin.map(|n| n as i32 - Block::APRON as i32),
             strides: [1, dims[0] as i32, (dims[0] * dims[1]) as i32],
             weighted,
-            coverage: voxels.coverage.as_ref().map_or_else(Vec::new, |c| stored.map(|n| c[n])),
-            rgb: voxels.rgb().map_or_else(Vec::new, |rgb| stored.map(|n| colour(rgb[n]))),
-            normals: normals.map_or_else(Vec::new, |soft| {
+            coverage: voxels
+                .coverage
+                .as_ref()
+                .map_or_else(Array::default, |c| block_of.map(|n| stored(c[n]))),
+            rgb: voxels
+                .rgb()
+                .map_or_else(Array::default, |rgb| block_of.map(|n| colour(rgb[n]))),
+            normals: normals.map_or_else(Array::default, |soft| {
                 voxel_normals(soft, target, block, voxels, [scale, offset])
             }),
         }
@@ -118,15 +137,15 @@ struct Stored<'a> {
 
 impl Stored<'_> {
     /// What `f` makes of each of them, given its place among the reconstructed ones.
-    fn map<T>(&self, f: impl Fn(usize) -> T) -> Vec<T> {
+    fn map<T: Pod + Send>(&self, f: impl Fn(usize) -> T + Sync) -> Array<T> {
         let skip = self.voxels.apron - Block::APRON;
         let [nx, ny, nz] = self.block.stored_dims();
         let dims = self.voxels.dims;
-        let mut stored = Vec::with_capacity(nx * ny * nz);
-        for row in 0..ny * nz {
+        let mut all = Array::zeroed(nx * ny * nz);
+        all.par_chunks_mut(nx).enumerate().for_each(|(row, voxels)| {
             let begin = skip + dims[0] * (row % ny + skip + dims[1] * (row / ny + skip));
-            stored.extend((begin..begin + nx).map(&f));
-        }
-        stored
+            voxels.iter_mut().zip(begin..).for_each(|(voxel, n)| *voxel = f(n));
+        });
+        all
     }
 }

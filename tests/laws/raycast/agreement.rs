@@ -1,7 +1,7 @@
 //! Law 3: the ray caster's frames lie between the bounds of single precision, and so does the reference.
 //!
 //! The bounds are those that slices on a device are held to (`conformance`), for a device that is the ray caster: it puts rays
-//! where they are in double precision and goes on from there in single precision.
+//! where they are in double precision and goes on from there in single precision, among voxels of 16 bits.
 
 use vcsg::conformance::{Drawing, FrameBounds, Precision, Storage};
 use vcsg::image::Frame;
@@ -17,7 +17,7 @@ fn drawing(spec: &FrameSpec) -> Drawing {
     Drawing {
         boxes: vec![spec.target.lattice.bounds()],
         storage: Storage {
-            rounding: fraction_rounding(spec),
+            rounding: 0.5 * Storage::STEP + fraction_rounding(spec),
             page_edge: 1.0,
         },
         precision: Precision {

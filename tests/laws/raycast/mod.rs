@@ -3,5 +3,6 @@
 
 mod agreement;
 mod blocks;
+mod depths;
 mod edges;
 mod picture;
