@@ -22,6 +22,7 @@ mod sequence;
 mod source;
 mod surfaces;
 mod swatch;
+mod trace;
 mod video;
 
 use std::process::ExitCode;

@@ -18,6 +18,7 @@ mod shade;
 mod slices;
 mod table;
 mod template;
+pub mod trace;
 mod visibility;
 pub mod volume_property;
 
