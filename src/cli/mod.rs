@@ -8,6 +8,8 @@ mod console;
 mod convert;
 mod devices;
 mod error;
+mod figure3;
+mod figure8;
 mod formats;
 mod frames;
 mod info;

@@ -50,14 +50,8 @@ pub(super) fn draw(
     sampling: Sampling,
     stages: &mut Stages,
 ) -> Result<(Frame, serde_json::Value), CliError> {
-    trace::check_mode(scene.settings.mode)?;
     let mut lattices = Vec::new();
-    let objects = stages.time("reconstruct", || objects(scene, &mut lattices))?;
-    let mut settings = scene.settings.clone();
-    if let Some(shading) = settings.shading.as_mut().filter(|_| !scene.trace.far_lights) {
-        shading.lights.clear();
-    }
-    let world = World::of(objects, &scene.trace.lights, camera, &settings)?;
+    let world = stages.time("reconstruct", || world(scene, camera, &mut lattices))?;
     let mut progressive = Progressive::new(&world, camera, sampling)?;
     let pixels = camera.size.map(u64::from).iter().product::<u64>();
     let bar = progress("trace", pixels * u64::from(sampling.samples));
@@ -69,6 +63,17 @@ pub(super) fn draw(
     bar.finish_and_clear();
     let shown = json!({ "objects": lattices, "samples": sampling.samples, "depth": sampling.bounds.depth });
     Ok((progressive.frame(), shown))
+}
+
+/// What is traced of `scene`; what lattices there are goes to `lattices`.
+pub(super) fn world(scene: &Scene, camera: &Camera, lattices: &mut Vec<serde_json::Value>) -> Result<World, CliError> {
+    trace::check_mode(scene.settings.mode)?;
+    let mut settings = scene.settings.clone();
+    if let Some(shading) = settings.shading.as_mut().filter(|_| !scene.trace.far_lights) {
+        shading.lights.clear();
+    }
+    let objects = objects(scene, lattices)?;
+    Ok(World::of(objects, &scene.trace.lights, camera, &settings)?)
 }
 
 /// The scene's own model, and its other objects; what their lattices are goes to `lattices`.

@@ -3,6 +3,9 @@
 
 mod closed_forms;
 mod energy;
+mod language;
+mod levels;
 mod pictures;
+mod program;
 mod shadows;
 mod world;

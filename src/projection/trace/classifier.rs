@@ -38,8 +38,19 @@ impl Sample {
 pub struct Tissue {
     /// Straight colour.
     pub color: [f64; 3],
-    /// Opacity over the unit length.
-    pub opacity: f64,
+    /// The logarithm of what it lets through over a millimetre, not above 0.
+    pub log_clear: f64,
+}
+
+impl Tissue {
+    /// Its opacity over a length.
+    pub fn opacity(&self, length_mm: f64) -> f64 {
+        1.0 - (self.log_clear * length_mm).exp()
+    }
+}
+
+fn log_clear(opacity: f64, unit_mm: f64) -> f64 {
+    (1.0 - opacity.clamp(0.0, 1.0)).ln() / unit_mm
 }
 
 /// The classifier of one object.
@@ -47,6 +58,8 @@ pub struct Classifier {
     range: Interval,
     /// Straight colour and opacity over the unit length of each value; empty where samples are colours.
     table: Vec<[f32; 4]>,
+    /// The logarithm of what each value lets through over a millimetre.
+    log_clear: Vec<f64>,
     extremes: Extremes,
     unit_mm: f64,
     peak: f64,
@@ -60,6 +73,7 @@ impl Classifier {
             return Self {
                 range,
                 table: Vec::new(),
+                log_clear: Vec::new(),
                 extremes: Extremes::default(),
                 unit_mm,
                 peak: f64::from(range.hi.clamp(0.0, 1.0)),
@@ -75,6 +89,10 @@ impl Classifier {
             range,
             peak: f64::from(table.iter().fold(0.0, |peak: f32, entry| peak.max(entry[3]))),
             extremes: Extremes::new(table.iter().map(|entry| entry[3])),
+            log_clear: table
+                .iter()
+                .map(|entry| log_clear(f64::from(entry[3]), transfer.unit_mm()))
+                .collect(),
             table,
             unit_mm: transfer.unit_mm(),
         }
@@ -92,13 +110,14 @@ impl Classifier {
             let part = 1.0 / sample.premultiplied.max(f64::MIN_POSITIVE);
             return Tissue {
                 color: sample.rgb.map(|c| (c * part).clamp(0.0, 1.0)),
-                opacity: value.clamp(0.0, 1.0),
+                log_clear: log_clear(value, self.unit_mm),
             };
         }
-        let [r, g, b, opacity] = self.table[self.entry(value) as usize].map(f64::from);
+        let entry = self.entry(value) as usize;
+        let [r, g, b, _] = self.table[entry].map(f64::from);
         Tissue {
             color: [r, g, b],
-            opacity,
+            log_clear: self.log_clear[entry],
         }
     }
 
@@ -112,11 +131,6 @@ impl Classifier {
             false => f64::from(self.table[self.entry(sample.premultiplied / sample.coverage) as usize][3]),
         };
         (sample.coverage * opacity / self.peak).clamp(0.0, 1.0)
-    }
-
-    /// The opacity over `length_mm` of what has `opacity` over the unit length.
-    pub fn over_length(&self, opacity: f64, length_mm: f64) -> f64 {
-        1.0 - (1.0 - opacity).max(0.0).powf(length_mm / self.unit_mm)
     }
 
     /// What gradients are of, as in [`SoftNormals`](crate::projection::SoftNormals): the fraction of the value range times coverage,

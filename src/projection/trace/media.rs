@@ -112,7 +112,7 @@ fn slab(n: usize, probe: &mut Probe, mm: f64, step_mm: f64) -> Option<Slab> {
     }
     let classifier = &probe.object.classifier;
     let tissue = classifier.tissue(&sample);
-    let opacity = sample.coverage * classifier.over_length(tissue.opacity, step_mm);
+    let opacity = sample.coverage * tissue.opacity(step_mm);
     (opacity > 0.0).then_some(Slab {
         probe: n,
         color: tissue.color,

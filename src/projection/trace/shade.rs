@@ -69,13 +69,14 @@ impl Place<'_> {
         };
         for light in world.lights() {
             for beam in light.beams(self.ray.at(self.mm), parts, stream) {
-                self.add(world, material, &beam, &mut response);
+                let phase = stream.in_pixel()[0];
+                self.add(world, material, &beam, phase, &mut response);
             }
         }
         response
     }
 
-    fn add(&self, world: &World, material: &Material, beam: &Beam, response: &mut Response) {
+    fn add(&self, world: &World, material: &Material, beam: &Beam, phase: f64, response: &mut Response) {
         let facing = |towards: DVec3| match self.lit {
             Lit::Front => self.normal.dot(towards).max(0.0),
             Lit::Both => self.normal.dot(towards).abs(),
@@ -87,7 +88,7 @@ impl Place<'_> {
         let half_way = (beam.towards - self.ray.direction).normalize_or_zero();
         let shine = (0..material.shininess_log2).fold(facing(half_way), |shine, _| shine * shine);
         let towards_light = self.ray.turned(self.mm, beam.towards);
-        let visible = shadow::visibility(world, &towards_light, beam, self.inside);
+        let visible = shadow::visibility(world, &towards_light, beam, self.inside, phase);
         for (c, visible) in visible.into_iter().enumerate() {
             let light = visible * beam.intensity;
             response.factor[c] += f64::from(material.diffuse) * cos * light;

@@ -18,8 +18,9 @@ const FORWARDS: f64 = 0.5;
 /// Where less light than this is left, none is.
 const DARK: f64 = 1.0 / 512.0;
 
-/// What is left, in each channel, of a beam at the origin of `ray`, which goes to its light and begins `inside` of some solids.
-pub fn visibility(world: &World, ray: &Ray, beam: &Beam, inside: Inside) -> [f64; 3] {
+/// What is left, in each channel, of a beam at the origin of `ray`, which goes to its light and begins `inside` of some solids; samples of media
+/// are half a step and the part `phase` of one behind the origin.
+pub fn visibility(world: &World, ray: &Ray, beam: &Beam, inside: Inside, phase: f64) -> [f64; 3] {
     let mut left = [1.0; 3];
     for (n, object) in world.objects().iter().enumerate() {
         if object.optics.is_some() {
@@ -29,7 +30,7 @@ pub fn visibility(world: &World, ray: &Ray, beam: &Beam, inside: Inside) -> [f64
             return [0.0; 3];
         }
     }
-    pass_media(world, ray, beam, &mut left);
+    pass_media(world, ray, beam, phase, &mut left);
     left
 }
 
@@ -63,10 +64,10 @@ fn pass_solid(world: &World, n: usize, ray: &Ray, beam: &Beam, inside: Inside, l
     }
 }
 
-fn pass_media(world: &World, ray: &Ray, beam: &Beam, left: &mut [f64; 3]) {
+fn pass_media(world: &World, ray: &Ray, beam: &Beam, phase: f64, left: &mut [f64; 3]) {
     let mut media = Media::new(world.objects(), ray, world.samples_per_voxel());
     // The sample that is lit does not shade itself.
-    media.march(0.0..beam.distance_mm, 1.0, |_, slabs, _| {
+    media.march(0.0..beam.distance_mm, 0.5 + phase, |_, slabs, _| {
         for slab in slabs {
             let clear = 1.0 - slab.opacity;
             *left = [0, 1, 2].map(|c| left[c] * clear.powf(1.0 - FORWARDS * slab.color[c]));

@@ -168,14 +168,15 @@ impl LevelBlock {
             stored.clamp(0, dims[a] as i64 - 2) as usize
         });
         let first = corner[0] + dims[0] * (corner[1] + dims[1] * corner[2]);
-        let mix = |number: &dyn Fn(usize) -> f32| trilinear(number, first, [1, dims[0], dims[0] * dims[1]], t);
+        let strides = [1, dims[0], dims[0] * dims[1]];
+        let mix = |numbers: &[f32]| trilinear(|n| numbers[n], first, strides, t);
         let voxels = &self.voxels;
         Sample {
-            premultiplied: mix(&|n| voxels.premultiplied[n]),
-            coverage: voxels.coverage.as_ref().map_or(1.0, |coverage| mix(&|n| coverage[n])),
-            rgb: voxels
-                .rgb()
-                .map_or([0.0; 3], |rgb| [0, 1, 2].map(|c| mix(&|n| rgb[n][c]))),
+            premultiplied: mix(&voxels.premultiplied),
+            coverage: voxels.coverage.as_ref().map_or(1.0, |coverage| mix(coverage)),
+            rgb: voxels.rgb().map_or([0.0; 3], |rgb| {
+                [0, 1, 2].map(|c| trilinear(|n| rgb[n][c], first, strides, t))
+            }),
         }
     }
 }
@@ -302,11 +303,12 @@ impl<'a> Walk<'a> {
             }
             _ => (quest == Quest::Exit, leaf.1),
         };
+        let end = self.line.stretch(low, high).leave.min(self.leave);
         // Rounding must not keep a ray where it is.
-        let end = self.line.stretch(low, high).leave.max(mm) + 1e-6 * self.half_voxel();
+        let least = (mm + 1e-6 * self.half_voxel()).max(mm.next_up());
         Region {
             worthwhile,
-            end: end.min(self.leave.max(mm + 1e-6 * self.half_voxel())),
+            end: (end + 1e-6 * self.half_voxel()).max(least),
         }
     }
 
