@@ -7,8 +7,7 @@
 //! surface, where the paper finds its largest errors. The surface is where density is ½; how much of a surface a ray meets follows from
 //! the largest density on its way through: nothing up to ¼, half at ½, all from ¾ on. So with a filter of two voxels a silhouette is
 //! about one voxel wide, in its right place. The rest of the ray goes straight on.
-//! *Practice.* Samples are half a voxel apart, and a whole one where there is nothing: of what a trilinear field can have between two such samples
-//! no ray meets a part. Between samples the surface is found by secants, and the top of a grazing ray's density by a
+//! *Practice.* Samples are half a voxel apart; between two the surface is found by secants, and the top of a grazing ray's density by a
 //! parabola. From within a solid everything is the same with one less the density. A ray that begins in a soft surface is
 //! leaving it for as long as density falls.
 
@@ -94,7 +93,7 @@ fn rise(probe: &mut Probe, search: &mut Search, within: bool, mm: Range<f64>, un
             if let found @ Some(_) = search.feed(Point { mm: at, height }) {
                 return found;
             }
-            at += if height > 0.0 { step } else { 2.0 * step };
+            at += step;
         }
     }
     let last = Point {
