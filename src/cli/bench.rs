@@ -1,5 +1,7 @@
 //! `vcsg bench`: what drawing takes, stage by stage.
 //!
+//! [`figure3`] and [`figure8`] are of WK94's figures; what follows is of VCSG's.
+//!
 //! *Theory.* VCSG's table 1 has for scenes of its figure 6 what the target takes to build, and what each rendering takes after
 //! that. This is the same table for our scenes of the figure.
 //! *Changes from the paper.* All scenes are drawn by slices, and no texture is loaded again for a rendering: that is part of
@@ -16,6 +18,7 @@ use super::CliError;
 use super::console::{print, print_json};
 use super::job::{Renderer, model_bounds, transfer_function};
 use super::render::DEFAULT_SIZE;
+use super::{figure3, figure8};
 use crate::gpu::{DeviceSelector, Validation};
 use crate::model::Node;
 use crate::projection::FrameSpec;
@@ -26,13 +29,19 @@ use crate::scene::{Scene, VolumeFiles};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vcsg bench figure6
+  vcsg bench figure3
+  vcsg bench figure8 --picture errors.png
   vcsg bench figure6 --repetitions 9 --json > figure6.json")]
 pub(super) struct Bench {
-    /// What is measured: the scenes of VCSG's figure 6, beside its table 1
+    /// What is measured: the scenes of VCSG's figure 6, beside its table 1; tracing WK94's figure 3, beside its times; errors of surfaces
+    /// and normals as in WK94's figure 8
     name: Name,
     /// The folder of the scenes
     #[arg(long, value_name = "FOLDER", default_value = "assets/scenes")]
     scenes: PathBuf,
+    /// Where figure 8 is written
+    #[arg(long, value_name = "FRAME")]
+    picture: Option<PathBuf>,
     /// How often each scene is built and drawn; medians are shown
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     repetitions: u16,
@@ -47,6 +56,8 @@ pub(super) struct Bench {
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Name {
     Figure6,
+    Figure3,
+    Figure8,
 }
 
 /// A row of VCSG's table 1: seconds on an SGI R4400 of 1998 with five lights and depth cue. The first four figures are of
@@ -103,17 +114,30 @@ struct Times {
 impl Bench {
     /// Measures, and prints a table.
     pub fn run(&self) -> Result<(), CliError> {
-        let Name::Figure6 = self.name;
+        match self.name {
+            Name::Figure6 => self.figure6(),
+            Name::Figure3 => {
+                let rows = figure3::measure(&self.scenes, self.repetitions)?;
+                self.print(&rows, figure3::table(&rows))
+            }
+            Name::Figure8 => {
+                let errors = figure8::measure(self.picture.as_deref())?;
+                self.print(&errors, errors.table())
+            }
+        }
+    }
+
+    fn figure6(&self) -> Result<(), CliError> {
         let mut renderer = Renderer::on_device(&self.device, Validation::Off)?;
         let rows: Vec<Row> = TABLE_1
             .iter()
             .map(|published| self.measure(published, &mut renderer))
             .collect::<Result<_, _>>()?;
-        if self.json {
-            print_json(&rows)
-        } else {
-            print(&table(&rows))
-        }
+        self.print(&rows, table(&rows))
+    }
+
+    fn print(&self, figures: &impl Serialize, table: String) -> Result<(), CliError> {
+        if self.json { print_json(figures) } else { print(&table) }
     }
 
     fn measure(&self, published: &Published, renderer: &mut Renderer) -> Result<Row, CliError> {

@@ -8,11 +8,13 @@ use super::surfaces::{DeviceSurfaces, Surface};
 use crate::gpu::{Device, DeviceSelector, GpuError, Instance, Validation};
 use crate::image::Frame;
 use crate::math::Aabb;
+use crate::model::Model;
 use crate::projection::presets::DataStatistics;
 use crate::projection::raycast::{self, CastTarget};
+use crate::projection::trace::{RayTracer, Sampling};
 use crate::projection::{Camera, FrameSpec, LevelsFrame, LevelsSpec, Projector, Reference, Settings, TransferFunction};
 use crate::render::{PagedTarget, SliceRenderer, soft_normals};
-use crate::scene::{Scene, TransferSpec};
+use crate::scene::{ObjectSpec, Scene, TransferSpec};
 use crate::target::Target;
 
 /// Draws a frame with what it is given.
@@ -21,6 +23,8 @@ pub(super) enum Renderer {
     Slices(SliceRenderer),
     /// Rays on the processor.
     RayCaster,
+    /// Rays on the processor that spawn others.
+    Tracer(Sampling),
     /// The slow reference on the processor.
     Reference,
 }
@@ -48,7 +52,7 @@ impl Renderer {
     pub fn device_name(&self) -> Option<&str> {
         match self {
             Self::Slices(renderer) => Some(&renderer.device().info().name),
-            Self::RayCaster | Self::Reference => None,
+            Self::RayCaster | Self::Tracer(_) | Self::Reference => None,
         }
     }
 
@@ -61,6 +65,10 @@ impl Renderer {
             Self::Slices(renderer) => draw_slices(renderer, spec, surfaces, stages),
             _ if !surfaces.is_empty() => Err(no_surfaces()),
             Self::RayCaster => cast_rays(spec, stages),
+            Self::Tracer(sampling) => {
+                let mut tracer = RayTracer { sampling: *sampling };
+                Ok(stages.time("trace", || tracer.project(spec))?)
+            }
             Self::Reference => Ok(stages.time("reference", || Reference.project(spec))?),
         }
     }
@@ -77,8 +85,8 @@ impl Renderer {
                 without_messages(&device, drawn)
             }
             Self::RayCaster => Ok(raycast::draw_levels(spec)?),
-            Self::Reference => {
-                let why = "the reference has one level: set `levels` to 1, or take another --renderer";
+            Self::Tracer(_) | Self::Reference => {
+                let why = "this renderer draws one level: set `levels` to 1, or take another --renderer";
                 Err(CliError::Usage(why.into()))
             }
         }
@@ -166,7 +174,15 @@ fn without_messages<T>(device: &Device, drawn: T) -> Result<T, CliError> {
 /// The transfer function that `scene` has on `target`.
 pub(super) fn transfer_function(scene: &Scene, target: &Target) -> TransferFunction {
     let spec = scene.transfer.as_ref().unwrap_or(&TransferSpec::AUTOMATIC);
-    spec.function(&statistics(target), model_bounds(scene).size().length())
+    spec.function(&statistics(target), bounds_of(&scene.model).size().length())
+}
+
+/// The transfer function that an object of `scene` has on `target`: its own, or the scene's.
+pub(super) fn object_transfer(scene: &Scene, object: &ObjectSpec, target: &Target) -> TransferFunction {
+    let spec = object.transfer.as_ref().or(scene.transfer.as_ref());
+    let diagonal_mm = bounds_of(&object.model).size().length();
+    spec.unwrap_or(&TransferSpec::AUTOMATIC)
+        .function(&statistics(target), diagonal_mm)
 }
 
 /// What presets are fitted to; of an empty target, nothing.
@@ -181,8 +197,12 @@ pub(super) fn statistics(target: &Target) -> DataStatistics {
     DataStatistics::of_target(target).unwrap_or(nothing)
 }
 
-/// The world box of a scene's model.
+/// The world box of all that is in a scene.
 pub(super) fn model_bounds(scene: &Scene) -> Aabb {
-    let root = scene.model.root();
-    root.map_or(Aabb::EMPTY, |root| scene.model.bounds()[root.index()])
+    let objects = scene.trace.objects.iter().map(|object| bounds_of(&object.model));
+    objects.fold(bounds_of(&scene.model), |all, bounds| all.hull(&bounds))
+}
+
+fn bounds_of(model: &Model) -> Aabb {
+    model.root().map_or(Aabb::EMPTY, |root| model.bounds()[root.index()])
 }

@@ -8,6 +8,8 @@ mod console;
 mod convert;
 mod devices;
 mod error;
+mod figure3;
+mod figure8;
 mod formats;
 mod frames;
 mod info;
@@ -22,6 +24,7 @@ mod sequence;
 mod source;
 mod surfaces;
 mod swatch;
+mod trace;
 mod video;
 
 use std::panic;

@@ -13,6 +13,7 @@ use super::levels;
 use super::overrides::Overrides;
 use super::source::SourceArgs;
 use super::surfaces::Surface;
+use super::trace::{self, TraceArgs};
 use crate::gpu::{DeviceSelector, Validation};
 use crate::image::{FileFormat, Frame, save};
 use crate::projection::{Camera, FrameSpec};
@@ -28,6 +29,7 @@ use crate::target::Target;
   vcsg render head.nii.gz -o skin.png --surface 60
   vcsg render mra.nii.gz -o mip.exr --mode mip --perspective 30
   vcsg render scene.kdl -o cast.png --renderer raycast
+  vcsg render mirror.kdl -o traced.png --renderer trace --samples 16
   vcsg render scene.kdl -o truth.png --renderer reference --size 320x240
   vcsg render scene.kdl -o frame-%04d.png --frames 0..119 --video scene.mp4")]
 pub(super) struct Render {
@@ -39,8 +41,8 @@ pub(super) struct Render {
     pub output: PathBuf,
     #[command(flatten)]
     frames: FrameArgs,
-    /// What draws: slices on a Vulkan device, rays cast on the processor, or the slow reference there; slices unless there is no
-    /// device
+    /// What draws: slices on a Vulkan device, rays cast or traced on the processor, or the slow reference there; tracing where the
+    /// scene needs it, else slices unless there is no device
     #[arg(long)]
     renderer: Option<RendererName>,
     /// The Vulkan device: an index, part of a name, or uuid:…; `vcsg devices` lists them
@@ -51,6 +53,8 @@ pub(super) struct Render {
     validation: bool,
     #[command(flatten)]
     pub overrides: Overrides,
+    #[command(flatten)]
+    tracing: TraceArgs,
     /// Print how long each stage took
     #[arg(long)]
     pub timings: bool,
@@ -63,6 +67,7 @@ pub(super) struct Render {
 enum RendererName {
     Slices,
     Raycast,
+    Trace,
     Reference,
 }
 
@@ -84,11 +89,13 @@ impl Render {
         let mut renderer = stages.time("device", || self.renderer(&scene))?;
         let size = scene.frame_size.unwrap_or(DEFAULT_SIZE);
         let camera = scene.view.camera(&model_bounds(&scene), size);
-        let (frame, shown) = if scene.target.levels > 1 {
-            let (frame, zones) = levels::draw(&scene, &camera, &mut renderer, &mut stages)?;
-            (frame, levels::description(&zones))
-        } else {
-            draw(&scene, &camera, &mut renderer, &mut stages)?
+        let (frame, shown) = match &mut renderer {
+            Renderer::Tracer(sampling) => trace::draw(&scene, &camera, *sampling, &mut stages)?,
+            renderer if scene.target.levels > 1 => {
+                let (frame, zones) = levels::draw(&scene, &camera, renderer, &mut stages)?;
+                (frame, levels::description(&zones))
+            }
+            renderer => draw(&scene, &camera, renderer, &mut stages)?,
         };
         let frame = over_background(frame, &scene);
         stages.time("write", || save(&frame, &self.output, &[("Software", "vcsg")]))?;
@@ -110,13 +117,33 @@ impl Render {
             Validation::Off
         };
         let on_device = || Renderer::on_device(&self.device, validation);
+        let traced = match self.renderer {
+            None => scene.trace.is_needed(),
+            Some(renderer) => matches!(renderer, RendererName::Trace),
+        };
+        self.check_tracing(scene, traced)?;
         match self.renderer {
+            None if traced => Ok(Renderer::Tracer(self.tracing.sampling(scene))),
             None if self.device == DeviceSelector::default() => Renderer::or_ray_caster(on_device()),
             None | Some(RendererName::Slices) => on_device(),
             Some(_) if !scene.surfaces.is_empty() => Err(no_surfaces()),
+            Some(RendererName::Trace) => Ok(Renderer::Tracer(self.tracing.sampling(scene))),
             Some(RendererName::Raycast) => Ok(Renderer::RayCaster),
             Some(RendererName::Reference) => Ok(Renderer::Reference),
         }
+    }
+
+    /// Refuses what goes with tracing alone where rays are not traced, and the other way round.
+    fn check_tracing(&self, scene: &Scene, traced: bool) -> Result<(), CliError> {
+        let why = match traced {
+            true if !scene.surfaces.is_empty() => return Err(no_surfaces()),
+            false if scene.trace.is_needed() => {
+                "the scene has objects, optics or lights that only tracing shows: take --renderer trace"
+            }
+            false if self.tracing.given() => "--samples, --depth and --seed go with --renderer trace",
+            _ => return Ok(()),
+        };
+        Err(CliError::Usage(why.into()))
     }
 
     /// What was drawn: `shown`, a JSON object, and what holds for any frame.

@@ -10,6 +10,7 @@ use super::levels;
 use super::loading::ShownFiles;
 use super::render::{DEFAULT_SIZE, Render, over_background};
 use super::surfaces::Surface;
+use super::trace;
 use crate::image::Frame;
 use crate::math::{Aabb, Interval};
 use crate::model::Model;
@@ -64,7 +65,9 @@ impl<'a> Sequence<'a> {
         let scene = frame_scene(self.render, self.scene, number, &mut self.loader)?;
         let size = scene.frame_size.unwrap_or(DEFAULT_SIZE);
         let camera = scene.view.camera(&self.shared.bounds, size);
-        let frame = if scene.target.levels > 1 {
+        let frame = if let Renderer::Tracer(sampling) = &self.renderer {
+            trace::draw(&scene, &camera, *sampling, stages)?.0
+        } else if scene.target.levels > 1 {
             levels::draw(&scene, &camera, &mut self.renderer, stages)?.0
         } else {
             self.draw(&scene, &camera, stages)?
@@ -152,8 +155,9 @@ impl Shared {
         let (lattice, value_range) = options.lattice_and_range(&all)?;
         let target = Target::on_lattice(&first.model, lattice, &options.subdivision())?;
         let bounds = |model: &Model| model.root().map_or(Aabb::EMPTY, |root| model.bounds()[root.index()]);
+        let objects = first.trace.objects.iter().map(|object| &object.model);
         Ok(Self {
-            bounds: models.iter().map(bounds).fold(Aabb::EMPTY, |all, b| all.hull(&b)),
+            bounds: (models.iter().chain(objects).map(bounds)).fold(Aabb::EMPTY, |all, b| all.hull(&b)),
             lattice,
             value_range,
             data: statistics(&target),

@@ -174,7 +174,8 @@ impl Camera {
         }
     }
 
-    fn center_px(&self) -> DVec2 {
+    /// The middle of the frame, pixels.
+    pub(super) fn center_px(&self) -> DVec2 {
         DVec2::new(f64::from(self.size[0]), f64::from(self.size[1])) * 0.5
     }
 }

@@ -20,6 +20,7 @@ mod slices;
 mod slopes;
 mod table;
 mod template;
+pub mod trace;
 mod visibility;
 pub mod volume_property;
 mod zones;

@@ -32,6 +32,18 @@ pub enum ProjectError {
         /// The mode.
         mode: Mode,
     },
+    /// A mode that rays are not traced in.
+    #[error("the mode {mode:?} cannot be traced: take composite, or another renderer")]
+    NotTraced {
+        /// The mode.
+        mode: Mode,
+    },
+    /// More objects than can be traced.
+    #[error(transparent)]
+    Objects(#[from] super::trace::TooManyObjects),
+    /// A light that cannot be.
+    #[error(transparent)]
+    Light(#[from] super::trace::SourceError),
     /// The frame has no pixels, or more than can be drawn.
     #[error("a frame of {width} x {height} pixels cannot be drawn; each side must be in 1..={limit}")]
     FrameSize {

@@ -12,6 +12,7 @@ use super::options::TargetOptions;
 use super::source::Source;
 use super::suggest::nearest;
 use super::surface::SurfaceSpec;
+use super::trace::{self, TraceSpec};
 use super::transfer::{TransferChoice, TransferSpec};
 use crate::math::Interval;
 use crate::projection::presets;
@@ -31,11 +32,12 @@ pub(super) struct Appearance {
     pub view: View,
     pub settings: Settings,
     pub frame_size: Option<[u32; 2]>,
+    pub trace: TraceSpec,
     pub animation: Option<Animation>,
 }
 
 /// Nodes that may be there more than once.
-const MANY: [&str; 2] = ["light", "surface"];
+const MANY: [&str; 3] = ["light", "surface", "object"];
 
 impl Appearance {
     /// Reads the top nodes of a document, whose paths start in `base_dir`.
@@ -107,6 +109,10 @@ impl Draft {
             "surface" => self.appearance.surfaces.push(SurfaceSpec::read(element)?),
             "view" => self.appearance.view = view(element)?,
             "light" => self.add_light(element)?,
+            "optics" => self.appearance.trace.optics = Some(trace::optics(element)?),
+            "trace" => self.appearance.trace.sampling = trace::sampling(element)?,
+            // Objects have trees, which are built with the scene's.
+            "object" => {}
             "material" => self.material(element)?,
             "depth-cue" => {
                 let strength = element.require("strength")?.within(0.0, 1.0)? as f32;
@@ -125,13 +131,29 @@ impl Draft {
 
     fn add_light(&mut self, element: &Element) -> Result<()> {
         let limit = Shading::MAX_LIGHTS;
-        if self.lights.len() == limit {
+        if self.lights.len() + self.appearance.trace.lights.len() == limit {
             return Err(element.error(Problem::TooManyLights { limit }));
+        }
+        if element.get("at").is_some() {
+            return self.add_placed_light(element);
+        }
+        if let Some(edge) = ["u", "v"].into_iter().find(|edge| element.get(edge).is_some()) {
+            let why = "an area light has a place: give `at` too";
+            return Err(element.error_of(edge, Problem::Conflict(why)));
         }
         self.lights.push(Light {
             towards: element.require("towards")?.direction()?,
             intensity: element.get("intensity").map_or(Ok(1.0), |v| v.within(0.0, 10.0))? as f32,
         });
+        Ok(())
+    }
+
+    fn add_placed_light(&mut self, element: &Element) -> Result<()> {
+        if element.get("towards").is_some() {
+            let why = "a light is `at` a place or `towards` a direction, one of them";
+            return Err(element.error_of("towards", Problem::Conflict(why)));
+        }
+        self.appearance.trace.lights.push(trace::light(element)?);
         Ok(())
     }
 
@@ -171,6 +193,7 @@ impl Draft {
         let of_look = look.map_or(Some(Material::default()), |look| look.material);
         let shaded = self.shaded.unwrap_or(self.material.is_some() || of_look.is_some());
         let standard = Shading::default();
+        self.appearance.trace.far_lights = !self.lights.is_empty() || self.appearance.trace.lights.is_empty();
         self.appearance.settings.shading = shaded.then(|| Shading {
             lights: if self.lights.is_empty() {
                 standard.lights

@@ -8,6 +8,7 @@ use miette::{Diagnostic, LabeledSpan, SourceCode, SourceSpan};
 use super::source::Source;
 use crate::model::LutError;
 use crate::projection::TransferError;
+use crate::projection::trace::{OpticsError, SourceError};
 
 /// Why a scene cannot be read: a [`Problem`] and the place that has it.
 ///
@@ -210,6 +211,12 @@ pub enum Problem {
     /// A transfer function that cannot be.
     #[error("transfer function: {0}")]
     Transfer(TransferError),
+    /// Optics that cannot be.
+    #[error("{0}")]
+    Optics(OpticsError),
+    /// A light that cannot be.
+    #[error("{0}")]
+    Light(SourceError),
     /// A table that cannot be.
     #[error("the table cannot be: {0}")]
     Table(LutError),

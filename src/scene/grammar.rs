@@ -17,6 +17,8 @@ pub(super) enum Children {
     Rows,
     /// Nodes of the tree, and landmarks.
     ShapesAndPairs,
+    /// Nodes of the tree, a table of two values, and how they are seen.
+    ShapesAndLook,
     /// Control points.
     Points,
     /// The corners of a solid.
@@ -56,9 +58,28 @@ const fn rule(
 }
 
 use Children::{
-    Corners, Keys, None as Leaf, Points, Rows, Shapes, ShapesAndLut, ShapesAndPairs, ShapesAndPoints, ShapesAndTable,
-    Tracks,
+    Corners, Keys, None as Leaf, Points, Rows, Shapes, ShapesAndLook, ShapesAndLut, ShapesAndPairs, ShapesAndPoints,
+    ShapesAndTable, Tracks,
 };
+
+const TRANSFER: Rule = rule(
+    "transfer",
+    0,
+    &["preset", "file", "window", "level", "unit-mm"],
+    Points,
+    "transfer preset=\"ct-bone\"",
+);
+
+const OPTICS: Rule = rule(
+    "optics",
+    0,
+    &["reflect", "transmit", "index", "tint", "tint-mm"],
+    Leaf,
+    "optics transmit=1 index=1.5",
+);
+
+/// How an object is seen.
+pub(super) const LOOK: &[Rule] = &[TRANSFER, OPTICS];
 
 /// Nodes at the top of a file.
 pub(super) const TOP: &[Rule] = &[
@@ -79,12 +100,23 @@ pub(super) const TOP: &[Rule] = &[
         "scene { … }",
     ),
     rule(
-        "transfer",
+        "object",
         0,
-        &["preset", "file", "window", "level", "unit-mm"],
-        Points,
-        "transfer preset=\"ct-bone\"",
+        &[
+            "spacing",
+            "budget-mib",
+            "coarsen",
+            "boundary",
+            "min-block",
+            "levels",
+            "rule",
+            "family",
+        ],
+        ShapesAndLook,
+        "object { optics reflect=0.8; sphere radius=20 }",
     ),
+    TRANSFER,
+    OPTICS,
     rule(
         "surface",
         0,
@@ -102,9 +134,16 @@ pub(super) const TOP: &[Rule] = &[
     rule(
         "light",
         0,
-        &["towards", "intensity"],
+        &["towards", "at", "u", "v", "intensity"],
         Leaf,
         "light towards=\"-0.5 -0.6 -1\" intensity=0.9",
+    ),
+    rule(
+        "trace",
+        0,
+        &["samples", "depth", "light-parts", "seed"],
+        Leaf,
+        "trace samples=16",
     ),
     rule(
         "material",
@@ -410,6 +449,7 @@ pub(super) fn inside(children: Children) -> &'static [&'static [Rule]] {
         Children::ShapesAndPoints => &[SHAPES, POINT],
         Children::Rows => &[ROW],
         Children::ShapesAndPairs => &[SHAPES, PAIR],
+        Children::ShapesAndLook => &[SHAPES, LUT, LOOK],
         Children::Points => &[POINT],
         Children::Corners => &[CORNER],
         Children::Tracks => &[TRACK],
@@ -425,7 +465,7 @@ mod tests {
     fn the_document_names_every_node_and_property() {
         let text = include_str!("../../docs/SCENE.md");
         let documented = |name: &str, ends: &[char]| ends.iter().any(|end| text.contains(&format!("`{name}{end}")));
-        for rule in [TOP, SHAPES, AT, LUT, ROW, POINT, CORNER, PAIR, TRACK]
+        for rule in [TOP, LOOK, SHAPES, AT, LUT, ROW, POINT, CORNER, PAIR, TRACK]
             .into_iter()
             .flatten()
         {

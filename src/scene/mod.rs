@@ -39,6 +39,7 @@ mod rules;
 mod source;
 mod suggest;
 mod surface;
+mod trace;
 mod track;
 mod transfer;
 mod transforms;
@@ -57,6 +58,7 @@ pub use options::TargetOptions;
 pub use rearrange::{with_node, with_node_moved, without_node};
 pub use source::Source;
 pub use surface::SurfaceSpec;
+pub use trace::{ObjectSpec, TraceSpec};
 pub use transfer::{TransferChoice, TransferSpec};
 
 use crate::math::Interval;
@@ -83,6 +85,8 @@ pub struct Scene {
     pub settings: Settings,
     /// Width and height of the frame in pixels, if the scene says.
     pub frame_size: Option<[u32; 2]>,
+    /// How it is traced.
+    pub trace: TraceSpec,
     /// How it changes with time.
     pub animation: Option<Animation>,
     source: Source,
@@ -189,10 +193,14 @@ impl Scene {
     }
 
     fn build(source: Source, origin: Origin, loader: &mut dyn VolumeLoader) -> Result<Self, SceneError> {
-        let tree = TreeBuilder::new(loader, origin.path.as_deref());
         let document = file::parse(&source)?;
-        let appearance = Appearance::read(&document, &source, &origin.base_dir)?;
+        let mut appearance = Appearance::read(&document, &source, &origin.base_dir)?;
+        // Volumes that objects share are loaded once.
+        let loader: &mut dyn VolumeLoader = &mut Remembered::new(loader);
+        let root = origin.path.as_deref();
+        let tree = TreeBuilder::new(&mut *loader, root);
         let model = tree.build(scene_element(&document, &source)?, &origin.base_dir)?;
+        appearance.trace.objects = trace::objects(&document, &source, &origin.base_dir, root, loader)?;
         if model.kind_of_root() == Some(Kind::Color) {
             Appearance::check_colors(&document, &source)?;
         }
@@ -208,6 +216,7 @@ impl Scene {
             view: appearance.view,
             settings: appearance.settings,
             frame_size: appearance.frame_size,
+            trace: appearance.trace,
             animation: appearance.animation,
             source,
             origin,

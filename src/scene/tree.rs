@@ -346,7 +346,7 @@ impl<'l> TreeBuilder<'l> {
         for child in element.children() {
             let child = child?;
             match child.name() {
-                "at" | "lut" | "point" | "pair" => {}
+                "at" | "lut" | "point" | "pair" | "transfer" | "optics" => {}
                 "define" => self.define(child, scope)?,
                 _ => operands.push(Operand {
                     id: self.shape(child, scope)?,

@@ -1,0 +1,356 @@
+//! A target's blocks as rays sample them, and what rays can skip.
+//!
+//! *Practice.* An empty leaf of the octree is skipped as a whole, and of a block the cells of 8³ voxels in which nothing that a ray looks
+//! for can be: nothing that shows, no surface from outside, no surface from within.
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+
+use super::classifier::{Classifier, Sample};
+use super::ray::{Line, Ray};
+use crate::math::{Interval, affine};
+use crate::target::{Block, BlockVoxels, Cube, Lattice, Layout, Octree, OctreeNode, Target};
+
+/// Edge of a cell in voxels.
+const CELL: usize = 8;
+
+/// What a ray looks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quest {
+    /// Whatever shows.
+    Shown = 1,
+    /// A surface, from outside.
+    Entrance = 2,
+    /// A surface, from within.
+    Exit = 4,
+}
+
+/// Densities below which nothing of a surface is met, and above which a surface is met for good.
+pub const SURFACE: [f64; 2] = [0.25, 0.75];
+
+/// A target in memory.
+pub struct Level {
+    /// Where its voxels are.
+    pub lattice: Lattice,
+    lattice_from_world: DAffine3,
+    octree: Octree,
+    blocks: Vec<LevelBlock>,
+}
+
+/// A block with an apron of one voxel.
+struct LevelBlock {
+    origin: [usize; 3],
+    /// The value of a block that is covered by one throughout.
+    uniform: Option<f32>,
+    voxels: BlockVoxels,
+    cells: Cells,
+}
+
+/// What can be in each cell of a block: bits of [`Quest`].
+struct Cells {
+    dims: [usize; 3],
+    found: Vec<u8>,
+}
+
+impl Level {
+    /// Reconstructs the blocks of `target`.
+    pub fn new(target: &Target, classifier: &Classifier) -> Self {
+        let blocks = target.blocks.par_iter();
+        Self {
+            lattice: target.lattice,
+            lattice_from_world: target.lattice.world_from_lattice.inverse(),
+            octree: target.octree.clone(),
+            blocks: blocks.map(|block| LevelBlock::new(target, block, classifier)).collect(),
+        }
+    }
+
+    /// The largest distance between neighbouring voxels, millimetres.
+    pub fn voxel_mm(&self) -> f64 {
+        self.lattice.spacing_mm().max_element()
+    }
+
+    /// The sample at a place of the world. Beyond the lattice its outermost voxels go on.
+    pub fn sample(&self, world: DVec3) -> Sample {
+        let centres = self.lattice.centres();
+        let at = affine::point(&self.lattice_from_world, world).clamp(centres.min, centres.max);
+        match self.leaf(at).node {
+            OctreeNode::Block(block) => self.blocks[block as usize].sample(at),
+            _ => Sample::default(),
+        }
+    }
+
+    /// Whether a place of the world is in the lattice's box.
+    pub fn holds(&self, world: DVec3) -> bool {
+        let at = affine::point(&self.lattice_from_world, world);
+        self.lattice.bounds().contains(at)
+    }
+
+    /// Voxel steps along the axes of the lattice, in the world.
+    pub fn axes(&self) -> [DVec3; 3] {
+        let axes = self.lattice.world_from_lattice.matrix3;
+        [axes.x_axis, axes.y_axis, axes.z_axis]
+    }
+
+    /// The gradient in the world of what changes by `differences` a voxel, along each axis.
+    pub fn gradient(&self, differences: [f64; 3]) -> DVec3 {
+        // A gradient is a covector: it transforms with the inverse transpose.
+        self.lattice_from_world.matrix3.transpose() * DVec3::from_array(differences)
+    }
+
+    fn leaf(&self, at: DVec3) -> Leaf {
+        let dims = self.lattice.dims;
+        let voxel: [i64; 3] = std::array::from_fn(|a| ((at[a] + 0.5) as i64).clamp(0, dims[a] as i64 - 1));
+        let mut cube = self.octree.root;
+        let mut node = self.octree.nodes[0];
+        while let OctreeNode::Split(first) = node {
+            let octant = cube.octant_with(voxel);
+            cube = cube.octant(octant);
+            node = self.octree.nodes[first as usize + octant];
+        }
+        Leaf { cube, node }
+    }
+}
+
+/// A leaf of the octree.
+#[derive(Clone, Copy)]
+struct Leaf {
+    cube: Cube,
+    node: OctreeNode,
+}
+
+impl LevelBlock {
+    fn new(target: &Target, block: &Block, classifier: &Classifier) -> Self {
+        let cell_dims = block.extent.map(|n| n.div_ceil(CELL));
+        if block.layout == Layout::Uniform {
+            let found = found(classifier, block.range.value, [1.0; 2]);
+            return Self {
+                origin: block.origin,
+                uniform: Some(block.range.value.lo),
+                voxels: BlockVoxels::default(),
+                cells: Cells {
+                    dims: cell_dims,
+                    found: vec![found; cell_dims.iter().product()],
+                },
+            };
+        }
+        let voxels = BlockVoxels::reconstruct(target, block, Block::APRON);
+        let count = cell_dims.iter().product();
+        let cell = |n: usize| {
+            let cell = [
+                n % cell_dims[0],
+                n / cell_dims[0] % cell_dims[1],
+                n / (cell_dims[0] * cell_dims[1]),
+            ];
+            let (values, coverages) = ranges(&voxels, cell);
+            found(classifier, values, coverages)
+        };
+        let found = (0..count).map(cell).collect();
+        Self {
+            origin: block.origin,
+            uniform: None,
+            voxels,
+            cells: Cells { dims: cell_dims, found },
+        }
+    }
+
+    /// The trilinear sample at a place of the lattice, in the block or within half a voxel of it.
+    fn sample(&self, at: DVec3) -> Sample {
+        if let Some(value) = self.uniform {
+            return Sample {
+                premultiplied: f64::from(value),
+                coverage: 1.0,
+                rgb: [0.0; 3],
+            };
+        }
+        let dims = self.voxels.dims;
+        let base = at.floor();
+        let t = (at - base).to_array();
+        let corner: [usize; 3] = std::array::from_fn(|a| {
+            let stored = base[a] as i64 + 1 - self.origin[a] as i64;
+            stored.clamp(0, dims[a] as i64 - 2) as usize
+        });
+        let first = corner[0] + dims[0] * (corner[1] + dims[1] * corner[2]);
+        let strides = [1, dims[0], dims[0] * dims[1]];
+        let mix = |numbers: &[f32]| trilinear(|n| numbers[n], first, strides, t);
+        let voxels = &self.voxels;
+        Sample {
+            premultiplied: mix(&voxels.premultiplied),
+            coverage: voxels.coverage.as_ref().map_or(1.0, |coverage| mix(coverage)),
+            rgb: voxels.rgb().map_or([0.0; 3], |rgb| {
+                [0, 1, 2].map(|c| trilinear(|n| rgb[n][c], first, strides, t))
+            }),
+        }
+    }
+}
+
+#[inline]
+fn trilinear(number: impl Fn(usize) -> f32, first: usize, [x, y, z]: [usize; 3], t: [f64; 3]) -> f64 {
+    let lerp = |a: f64, b: f64, t: f64| a + t * (b - a);
+    let along_x = |n: usize| lerp(f64::from(number(n)), f64::from(number(n + x)), t[0]);
+    let in_plane = |n: usize| lerp(along_x(n), along_x(n + y), t[1]);
+    lerp(in_plane(first), in_plane(first + z), t[2])
+}
+
+/// The ranges of covered values and of coverages that samples in a cell can have: those of its voxels and one more on each side.
+fn ranges(voxels: &BlockVoxels, cell: [usize; 3]) -> (Interval, [f64; 2]) {
+    let before = voxels.apron - 1;
+    let first: [usize; 3] = cell.map(|c| c * CELL + before);
+    let last: [usize; 3] = std::array::from_fn(|a| (first[a] + CELL + 2).min(voxels.dims[a]));
+    let [mut values, mut coverages] = [Interval::EMPTY; 2];
+    for k in first[2]..last[2] {
+        for j in first[1]..last[1] {
+            let row = voxels.dims[0] * (j + voxels.dims[1] * k);
+            for n in row + first[0]..row + last[0] {
+                let coverage = voxels.coverage.as_ref().map_or(1.0, |c| c[n]);
+                coverages = coverages.hull(Interval::point(coverage));
+                if coverage > 0.0 {
+                    values = values.hull(Interval::point(voxels.premultiplied[n] / coverage));
+                }
+            }
+        }
+    }
+    (values, [f64::from(coverages.lo), f64::from(coverages.hi)])
+}
+
+/// What can be found among values and coverages in these ranges.
+fn found(classifier: &Classifier, values: Interval, [thin, thick]: [f64; 2]) -> u8 {
+    let [least, most] = classifier.densities(values);
+    let shown = if most > 0.0 && thick > 0.0 {
+        Quest::Shown as u8
+    } else {
+        0
+    };
+    let entrance = if most * thick >= SURFACE[0] {
+        Quest::Entrance as u8
+    } else {
+        0
+    };
+    let exit = if least * thin <= SURFACE[1] {
+        Quest::Exit as u8
+    } else {
+        0
+    };
+    shown | entrance | exit
+}
+
+/// A ray on its way through a level.
+pub struct Walk<'a> {
+    level: &'a Level,
+    /// The ray in the level's lattice.
+    pub line: Line,
+    /// Where it is in the lattice's box, millimetres.
+    pub enter: f64,
+    /// Where it leaves that.
+    pub leave: f64,
+    /// The axes of the faces of that.
+    pub axes: [usize; 2],
+    leaf: Option<(Leaf, [DVec3; 2])>,
+}
+
+/// A part of a ray in which there is one thing to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// Whether what is looked for can be in it.
+    pub worthwhile: bool,
+    /// Where it ends, millimetres, behind where it was asked for.
+    pub end: f64,
+}
+
+impl<'a> Walk<'a> {
+    /// `ray` through `level`.
+    pub fn new(level: &'a Level, ray: &Ray) -> Self {
+        let line = ray.line_in(&level.lattice_from_world);
+        let bounds = level.lattice.bounds();
+        let stretch = line.stretch(bounds.min, bounds.max);
+        Self {
+            level,
+            line,
+            enter: stretch.enter,
+            leave: stretch.leave,
+            axes: stretch.axes,
+            leaf: None,
+        }
+    }
+
+    /// What it goes through.
+    pub fn level(&self) -> &'a Level {
+        self.level
+    }
+
+    /// Half a voxel, millimetres of ray.
+    pub fn half_voxel(&self) -> f64 {
+        0.5 / self.line.step.length()
+    }
+
+    /// The region that the place `mm` is in, for `quest`.
+    pub fn region(&mut self, mm: f64, quest: Quest) -> Region {
+        if mm < self.enter || self.leave <= mm {
+            let end = if mm < self.enter && self.enter < self.leave {
+                self.enter
+            } else {
+                f64::INFINITY
+            };
+            return Region {
+                worthwhile: quest == Quest::Exit,
+                end,
+            };
+        }
+        let at = self.line.at(mm);
+        let leaf = self.leaf_at(at);
+        let (worthwhile, [low, high]) = match leaf.0.node {
+            OctreeNode::Block(block) => {
+                let block = &self.level.blocks[block as usize];
+                let (found, bounds) = block.cell(at);
+                (found & quest as u8 != 0, bounds)
+            }
+            _ => (quest == Quest::Exit, leaf.1),
+        };
+        let end = self.line.stretch(low, high).leave.min(self.leave);
+        // Rounding must not keep a ray where it is.
+        let least = (mm + 1e-6 * self.half_voxel()).max(mm.next_up());
+        Region {
+            worthwhile,
+            end: (end + 1e-6 * self.half_voxel()).max(least),
+        }
+    }
+
+    /// The sample at the place `mm`; nothing beyond the lattice.
+    pub fn sample(&mut self, mm: f64) -> Sample {
+        if mm < self.enter || self.leave < mm {
+            return Sample::default();
+        }
+        let at = self.line.at(mm);
+        match self.leaf_at(at).0.node {
+            OctreeNode::Block(block) => self.level.blocks[block as usize].sample(at),
+            _ => Sample::default(),
+        }
+    }
+
+    /// The leaf that holds a place of the lattice, and its box.
+    fn leaf_at(&mut self, at: DVec3) -> (Leaf, [DVec3; 2]) {
+        match self.leaf {
+            Some(known) if at.cmpge(known.1[0]).all() && at.cmple(known.1[1]).all() => known,
+            _ => {
+                let leaf = self.level.leaf(at);
+                let low = DVec3::from_array(leaf.cube.origin.map(|n| n as f64)) - 0.5;
+                let known = (leaf, [low, low + leaf.cube.size as f64]);
+                self.leaf = Some(known);
+                known
+            }
+        }
+    }
+}
+
+impl LevelBlock {
+    /// What can be found in the cell that holds a place, and its box.
+    fn cell(&self, at: DVec3) -> (u8, [DVec3; 2]) {
+        let origin = DVec3::from_array(self.origin.map(|n| n as f64)) - 0.5;
+        let cell: [usize; 3] = std::array::from_fn(|a| {
+            let n = ((at[a] - origin[a]).max(0.0) / CELL as f64) as usize;
+            n.min(self.cells.dims[a] - 1)
+        });
+        let low = origin + DVec3::from_array(cell.map(|n| (n * CELL) as f64));
+        let found = self.cells.found[cell[0] + self.cells.dims[0] * (cell[1] + self.cells.dims[1] * cell[2])];
+        (found, [low, low + CELL as f64])
+    }
+}
