@@ -187,15 +187,31 @@ fn a_baked_scene_is_a_volume_with_the_scene_in_it() {
     assert!((inside - exact).abs() < 500.0, "{inside} mm³ instead of {exact}");
 }
 
+/// The first voxel's place on an axis and the distance to the next, millimetres, of a volume with the same ones on all axes.
+fn first_and_spacing_mm(nrrd: &[u8]) -> [f64; 2] {
+    let text = String::from_utf8_lossy(nrrd);
+    ["space origin: (", "space directions: ("].map(|key| {
+        let (_, rest) = text.split_once(key).expect("the field");
+        let number = rest.split(',').next().expect("a number");
+        number.parse().expect("a number")
+    })
+}
+
+/// The finest level is the scene as it is baked alone, and each point of a level is one of the level before.
 #[test]
-fn each_baked_level_is_the_scene_at_its_spacing_or_there_is_none() {
+fn baked_levels_lie_on_one_another_or_there_are_none() {
     let folder = folder();
     let read = |name: &str| fs::read(folder.path().join(name));
     succeed(folder.path(), &["bake", "scene.kdl", "-o", "l.nrrd", "--levels", "3"]);
-    for (level, spacing) in ["2", "4", "8"].into_iter().enumerate() {
-        let bake = ["bake", "scene.kdl", "-o", "alone.nrrd", "--spacing", spacing];
-        succeed(folder.path(), &bake);
-        assert_eq!(read(&format!("l-{level}.nrrd")).unwrap(), read("alone.nrrd").unwrap());
+    succeed(
+        folder.path(),
+        &["bake", "scene.kdl", "-o", "alone.nrrd", "--spacing", "2"],
+    );
+    assert_eq!(read("l-0.nrrd").unwrap(), read("alone.nrrd").unwrap());
+    let levels = [0, 1, 2].map(|level| first_and_spacing_mm(&read(&format!("l-{level}.nrrd")).unwrap()));
+    for [[finer_first, finer], [first, spacing]] in levels.windows(2).map(|pair| [pair[0], pair[1]]) {
+        assert_eq!(spacing, 2.0 * finer);
+        assert_eq!(((first - finer_first) / finer).fract(), 0.0, "{levels:?}");
     }
     fs::create_dir(folder.path().join("m-2.nrrd")).unwrap();
     let refused = vcsg(folder.path(), &["bake", "scene.kdl", "-o", "m.nrrd", "--levels", "3"]);

@@ -55,16 +55,17 @@ impl Slopes {
     fn cross(&mut self, heights: &[f32], dims: [usize; 3], begin: usize, len: usize) {
         let (y, z) = (dims[0], dims[0] * dims[1]);
         let row = |dy: usize, dz: usize| &heights[begin + dy * y + dz * z - y - z..][..len];
-        let planes = [0, 1, 2].map(|dz| [0, 1, 2].map(|dy| row(dy, dz)));
+        let [[a, b, c], [d, e, f], [g, h, i]] = [0, 1, 2].map(|dz| [0, 1, 2].map(|dy| row(dy, dz)));
         self.across.iter_mut().for_each(|across| across.resize(len, 0.0));
         let [height, along_y, along_z] = &mut self.across;
-        let out = height.iter_mut().zip(along_y).zip(along_z);
-        for (n, ((height, along_y), along_z)) in out.enumerate() {
-            let [a, b, c] = planes.map(|[low, middle, high]| smoothed(low[n], middle[n], high[n]));
-            let [d, e, f] = planes.map(|[low, _, high]| high[n] - low[n]);
-            *height = smoothed(a, b, c);
-            *along_y = smoothed(d, e, f);
-            *along_z = c - a;
+        let (height, along_y, along_z) = (&mut height[..len], &mut along_y[..len], &mut along_z[..len]);
+        // (By index, of rows of one length: compilers take several voxels at once.)
+        for n in 0..len {
+            let low = smoothed(a[n], b[n], c[n]);
+            let high = smoothed(g[n], h[n], i[n]);
+            height[n] = smoothed(low, smoothed(d[n], e[n], f[n]), high);
+            along_y[n] = smoothed(c[n] - a[n], f[n] - d[n], i[n] - g[n]);
+            along_z[n] = high - low;
         }
     }
 }

@@ -92,10 +92,14 @@ fn one_level_of_any_tree_is_the_target_alone() {
     }
 }
 
+/// Where both fogs end softly their colours are weighted by a product of two densities, which is quadratic between voxels: its sum over
+/// planes as far apart as voxels, h, is off by h/6 times the sum of squared steps of the density. With a filter of two voxels a
+/// step is at most ½, and all steps add up to 1. There h is 8 mm, and the second fog 70 mm deep.
 #[test]
 fn colored_fog_is_as_dense_in_zones_and_of_the_same_colour() {
+    let bound = FOG_BOUND + 8.0 / 12.0 / 70.0;
     for mode in MODES {
-        assert_alike(&format!("{mode:?}"), pixels(&colored_fog(), mode), FOG_BOUND);
+        assert_alike(&format!("{mode:?}"), pixels(&colored_fog(), mode), bound);
     }
 }
 
@@ -131,7 +135,7 @@ fn parts<'a>(levels: &Levels<'a>, camera: &Camera) -> Vec<(u32, Target)> {
 /// Places of a lattice at even distances, about a thousand.
 fn some_places(dims: [usize; 3]) -> impl Iterator<Item = DVec3> {
     let count: usize = dims.iter().product();
-    (0..count).step_by(count / 1000 + 1).map(move |n| {
+    (0..count).step_by(count / 1500 + 1).map(move |n| {
         DVec3::new(
             (n % dims[0]) as f64,
             (n / dims[0] % dims[1]) as f64,
@@ -179,7 +183,7 @@ fn a_part_of_the_last_level_has_its_colours_and_its_places() {
         assert_eq!(level, 3);
         let lattice = levels.whole(level).expect("a lattice");
         let whole = Target::on_lattice(&model, lattice, &subdivision()).expect("the whole level");
-        let whole_from_part = whole.lattice.world_from_lattice.inverse() * part.lattice.world_from_lattice;
+        assert!(part.lattice.shares_grid(&whole.lattice), "{what}");
         let last = zones.zones.last().expect("a zone");
         let eye = camera.eye_from_world * part.lattice.world_from_lattice;
         // What is drawn: in the zone, and within a frame that is as wide as its focal length.
@@ -189,11 +193,9 @@ fn a_part_of_the_last_level_has_its_colours_and_its_places() {
         };
         let mut covered = 0;
         for p in some_places(part.lattice.dims).filter(is_seen) {
-            let ours = part.tree.color_sample(part.lattice.grid_point(p));
-            let meant = whole
-                .tree
-                .color_sample(whole.lattice.grid_point(whole_from_part.transform_point3(p)));
-            // The frames' rounding moves a point by some 1e-13 voxels.
+            let at = part.lattice.grid_point(p);
+            let [ours, meant] = [&part, &whole].map(|target| target.tree.color_sample(at));
+            // Filters of the last level are graded by nothing.
             let apart = (ours.sample.coverage - meant.sample.coverage)
                 .abs()
                 .max((ours.sample.value - meant.sample.value).abs());

@@ -14,6 +14,7 @@ use super::ray::{Ray, Stretch};
 use super::voxels::{Level, Quest, Region, Walk};
 use crate::math::Aabb;
 use crate::model::TransferFunction;
+use crate::projection::half_differences;
 use crate::target::Target;
 
 /// A volume and what it is made of.
@@ -168,7 +169,7 @@ impl Probe<'_> {
         }))
     }
 
-    /// The same, by central differences that tell a direction however it lies, and the same of density; see [`isotropic`].
+    /// The same, by differences smoothed across ([`half_differences`]), and the same of density.
     pub fn surface_gradients(&self, world: DVec3) -> [DVec3; 2] {
         let level = self.fine.level();
         let [x, y, z] = level.axes();
@@ -176,9 +177,12 @@ impl Probe<'_> {
         let sample = |n: usize| self.sample_at(world + x * by(n % 3) + y * by(n / 3 % 3) + z * by(n / 9));
         let around: [Sample; 27] = std::array::from_fn(sample);
         let classifier = &self.object.classifier;
+        let differences = |number: &dyn Fn(&Sample) -> f64| {
+            half_differences(|[x, y, z]| number(&around[(13 + x + 3 * y + 9 * z) as usize])).to_array()
+        };
         [
-            level.gradient(isotropic(&around.map(|sample| classifier.height(&sample)))),
-            level.gradient(isotropic(&around.map(|sample| classifier.density(&sample)))),
+            level.gradient(differences(&|sample| classifier.height(sample))),
+            level.gradient(differences(&|sample| classifier.density(sample))),
         ]
     }
 
@@ -197,40 +201,5 @@ impl Probe<'_> {
             Some((coarse, part)) => fine.mixed(&coarse.level().sample(world), *part),
             None => fine,
         }
-    }
-}
-
-/// Central differences along each axis, half of them, of 3 x 3 x 3 numbers, averaged across with weights 1 : 4 : 1 either way.
-///
-/// A central difference along an axis is n P₁ + n³ P₃/6 of a profile across a surface with derivatives P₁ and P₃, of which the
-/// normal has the part n along the axis. So it is too small by a part that depends on how the axis lies, which turns normals by up to
-/// four degrees at a filter of two voxels. The average adds n (1 − n²) P₃/6: the part is the same for all axes, and the direction right
-/// to the next order.
-fn isotropic(numbers: &[f64; 27]) -> [f64; 3] {
-    const STRIDES: [usize; 3] = [1, 3, 9];
-    const MIDDLE: usize = 13;
-    std::array::from_fn(|axis| {
-        let [along, b, c] = [0, 1, 2].map(|n| STRIDES[(axis + n) % 3]);
-        let difference = |at: usize| 0.5 * (numbers[at + along] - numbers[at - along]);
-        let row = |at: usize| (difference(at - b) + 4.0 * difference(at) + difference(at + b)) / 6.0;
-        (row(MIDDLE - c) + 4.0 * row(MIDDLE) + row(MIDDLE + c)) / 6.0
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn isotropic_differences_of_a_slope_and_of_a_cubic() {
-        let place = |n: usize| DVec3::new((n % 3) as f64, (n / 3 % 3) as f64, (n / 9) as f64) - 1.0;
-        let normal = DVec3::new(0.36, -0.48, 0.8);
-        let of = |profile: fn(f64) -> f64| {
-            let numbers: [f64; 27] = std::array::from_fn(|n| profile(place(n).dot(normal)));
-            DVec3::from_array(isotropic(&numbers))
-        };
-        assert!((of(|x| 3.0 * x + 1.0) - 3.0 * normal).length() < 1e-12);
-        // About the profile of a surface at a filter of two voxels.
-        assert!(of(|x| x - x * x * x / 8.0).angle_between(normal) < 1e-9);
     }
 }
