@@ -8,6 +8,7 @@ use vcsg::image::Frame;
 use vcsg::math::Aabb;
 use vcsg::model::{BooleanOp, Family, Model, Node, ValueRule};
 use vcsg::projection::levels::{Zone, Zones, footprint};
+use vcsg::projection::raycast::{self, CastTarget};
 use vcsg::projection::{Camera, ControlPoint, FrameSpec, LevelsFrame, LevelsSpec, Mode, Settings, TransferFunction};
 use vcsg::render::{PagedTarget, SliceRenderer, soft_normals};
 use vcsg::target::{Levels, Subdivision, Target};
@@ -81,27 +82,53 @@ pub fn subdivision() -> Subdivision {
 
 /// A frame of `count` levels of `model`.
 pub fn draw(model: &Model, camera: &Camera, count: u32, look: &Look) -> LevelsFrame {
-    let levels = Levels::new(model, Some(1.0), count).expect("levels");
-    let spec = LevelsSpec {
-        levels: &levels,
+    let drawn = |spec: &LevelsSpec| on_device(|renderer| renderer.draw_levels(spec)).expect("a frame");
+    of_levels(model, camera, count, look, drawn)
+}
+
+/// The same by rays on the processor.
+pub fn cast(model: &Model, camera: &Camera, count: u32, look: &Look) -> LevelsFrame {
+    let cast = |spec: &LevelsSpec| raycast::draw_levels(spec).expect("a frame");
+    of_levels(model, camera, count, look, cast)
+}
+
+fn of_levels(
+    model: &Model,
+    camera: &Camera,
+    count: u32,
+    look: &Look,
+    draw: impl Fn(&LevelsSpec) -> LevelsFrame,
+) -> LevelsFrame {
+    draw(&LevelsSpec {
+        levels: &Levels::new(model, Some(1.0), count).expect("levels"),
         subdivision: &subdivision(),
         transfer: &look.transfer,
         camera,
         settings: &look.settings,
-    };
-    on_device(|renderer| renderer.draw_levels(&spec)).expect("a frame")
+    })
 }
 
 /// A frame of one target.
 pub fn draw_one(model: &Model, camera: &Camera, look: &Look) -> Frame {
-    let target = Target::build(model, Some(1.0), &subdivision()).expect("a target");
-    let spec = FrameSpec {
-        target: &target,
+    of_one(model, camera, look, |spec| {
+        on_device(|renderer| draw_spec(renderer, spec))
+    })
+}
+
+/// The same by rays on the processor.
+pub fn cast_one(model: &Model, camera: &Camera, look: &Look) -> Frame {
+    of_one(model, camera, look, |spec| {
+        raycast::draw(spec, &CastTarget::of(spec), None).expect("a frame")
+    })
+}
+
+fn of_one(model: &Model, camera: &Camera, look: &Look, draw: impl Fn(&FrameSpec) -> Frame) -> Frame {
+    draw(&FrameSpec {
+        target: &Target::build(model, Some(1.0), &subdivision()).expect("a target"),
         transfer: &look.transfer,
         camera,
         settings: &look.settings,
-    };
-    on_device(|renderer| draw_spec(renderer, &spec))
+    })
 }
 
 fn draw_spec(renderer: &mut SliceRenderer, spec: &FrameSpec) -> Frame {

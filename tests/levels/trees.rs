@@ -9,7 +9,7 @@ use vcsg::projection::{Camera, Mode};
 use vcsg::scene::{NoVolumes, Scene, VolumeFiles};
 use vcsg::target::{Levels, Target};
 
-use crate::frames::{FOG_MM, FOG_OPACITY, Look, draw, draw_one, largest_change, subdivision};
+use crate::frames::{FOG_MM, FOG_OPACITY, Look, cast, cast_one, draw, draw_one, largest_change, subdivision};
 use crate::row::eye_at;
 
 /// Fog, from 20 mm behind the eye on, and wide enough for the rays in its middle on every level.
@@ -66,6 +66,13 @@ fn pixels(model: &Model, mode: Mode) -> [[f32; 4]; 2] {
     [one, drawn.frame].map(|frame| frame.pixel(8, 8).expect("a pixel"))
 }
 
+/// The same by rays on the processor.
+fn cast_pixels(model: &Model, mode: Mode) -> [[f32; 4]; 2] {
+    let (camera, look) = (eye_at(0.0, 16), Look::of_fog(mode));
+    let frames = [cast_one(model, &camera, &look), cast(model, &camera, 4, &look).frame];
+    frames.map(|frame| frame.pixel(8, 8).expect("a pixel"))
+}
+
 /// As of values: within 0.6 % by the softness of the far end and the coarser slabs.
 const FOG_BOUND: f64 = 0.006;
 
@@ -87,6 +94,12 @@ fn one_level_of_any_tree_is_the_target_alone() {
             let look = Look::of_posts(mode);
             let (one, levels) = (draw_one(&model, &camera, &look), draw(&model, &camera, 1, &look).frame);
             assert_eq!(largest_change(&one, &levels), 0.0, "{what}, {mode:?}");
+            let (one_cast, levels_cast) = (cast_one(&model, &camera, &look), cast(&model, &camera, 1, &look).frame);
+            assert_eq!(
+                largest_change(&one_cast, &levels_cast),
+                0.0,
+                "{what}, {mode:?}, by rays"
+            );
             assert!(one.pixels().iter().any(|p| p[3] > 0.0), "{what}, {mode:?}");
         }
     }
@@ -100,6 +113,7 @@ fn colored_fog_is_as_dense_in_zones_and_of_the_same_colour() {
     let bound = FOG_BOUND + 8.0 / 12.0 / 70.0;
     for mode in MODES {
         assert_alike(&format!("{mode:?}"), pixels(&colored_fog(), mode), bound);
+        assert_alike(&format!("{mode:?} by rays"), cast_pixels(&colored_fog(), mode), bound);
     }
 }
 
@@ -109,6 +123,7 @@ fn deformed_fog_is_as_dense_in_zones() {
     let bound = FOG_BOUND + 0.1 * 8.0 / FOG_MM;
     for mode in MODES {
         assert_alike(&format!("{mode:?}"), pixels(&deformed(FOG), mode), bound);
+        assert_alike(&format!("{mode:?} by rays"), cast_pixels(&deformed(FOG), mode), bound);
     }
 }
 
