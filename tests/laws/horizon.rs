@@ -5,9 +5,10 @@ use proptest::prelude::*;
 use vcsg::image::Frame;
 use vcsg::interface::HIDES_ALL_BUT;
 use vcsg::math::Aabb;
-use vcsg::model::Boundary;
-use vcsg::projection::{Camera, FrameSpec, Horizon, Lens, Settings, TransferFunction, reference};
-use vcsg::target::{Target, VoxelTarget};
+use vcsg::model::{Boundary, Model, Node};
+use vcsg::projection::{Camera, ControlPoint, FrameSpec, Horizon, Lens, Settings, TransferFunction, View, reference};
+use vcsg::target::{Subdivision, Target, VoxelTarget};
+use vcsg::voxelize::{Primitive, Solid};
 
 use crate::order::cells_of;
 use crate::support::scenes::{scene, subdivision};
@@ -17,6 +18,9 @@ use crate::support::{cases, seeded};
 /// Edge of the cubes that a horizon is asked for, voxels.
 const CUBE: usize = 8;
 
+/// The lengths that opacities are of, millimetres: rays end at once, or little by little.
+const UNITS_MM: [f64; 3] = [0.02, 0.3, 1.0];
+
 /// A view of a target in which much is opaque, in pixels as small as voxels.
 struct Seen<'a> {
     target: &'a Target,
@@ -25,11 +29,11 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(target: &'a Target, eye: &Eye, look: &Look) -> Self {
+    fn new(target: &'a Target, eye: &Eye, look: &Look, unit_mm: f64) -> Self {
         let points = look.transfer(target.value_range).points().to_vec();
         Self {
             target,
-            transfer: TransferFunction::new(points, 0.02).expect("the same points"),
+            transfer: TransferFunction::new(points, unit_mm).expect("the same points"),
             camera: enlarged(eye.camera(&target.lattice.world_bounds())),
         }
     }
@@ -100,9 +104,10 @@ proptest! {
         subdivision in subdivision(Boundary::Exact),
         eye in eye(),
         look in look(),
+        unit_mm in prop::sample::select(&UNITS_MM[..]),
     ) {
         let target = scene.target(&subdivision);
-        let seen = Seen::new(&target, &eye, &look);
+        let seen = Seen::new(&target, &eye, &look, unit_mm);
         let hidden = seen.hidden(Horizon::hides);
         prop_assert_eq!(seen.lacks_little_without(&hidden), Ok(()));
     }
@@ -112,7 +117,8 @@ proptest! {
 fn some_views(hides: impl Fn(&Horizon, &Aabb) -> bool + Copy) -> [usize; 2] {
     let views = (0..48).map(|seed| {
         let target = seeded(&scene(), seed).target(&seeded(&subdivision(Boundary::Exact), seed));
-        let seen = Seen::new(&target, &seeded(&eye(), seed), &seeded(&look(), seed));
+        let (eye, look) = (seeded(&eye(), seed), seeded(&look(), seed));
+        let seen = Seen::new(&target, &eye, &look, UNITS_MM[seed as usize % UNITS_MM.len()]);
         let hidden = seen.hidden(hides);
         [!hidden.is_empty(), seen.lacks_little_without(&hidden).is_err()]
     });
@@ -133,4 +139,42 @@ fn horizons_too_near_are_seen() {
             .any(|by| horizon.hides(&Aabb::new(cube.min + *by, cube.max + *by)))
     });
     assert!(lacking > 3, "{lacking} of 48");
+}
+
+/// In fog of one opacity a slab the horizon lies behind as many planes as let less than its part pass, and no farther than the first
+/// whole cell and the planes that are taken together ask for.
+#[test]
+fn the_horizon_in_fog_is_where_too_little_passes() {
+    const EDGE: f64 = 64.0;
+    let mut model = Model::default();
+    let fog = Aabb::new(DVec3::ZERO, DVec3::splat(EDGE));
+    model.push(Node::Primitive(Primitive::crisp(Solid::Box(fog), 1.0)));
+    let target = Target::build(&model, Some(1.0), &Subdivision::default()).expect("a target");
+    for opacity in [0.2f32, 0.4, 0.7] {
+        let point = ControlPoint {
+            value: 1.0,
+            color: [1.0; 3],
+            opacity,
+        };
+        let seen = Seen {
+            target: &target,
+            transfer: TransferFunction::new(vec![point], 1.0).expect("a function"),
+            camera: View::default().camera(&target.lattice.world_bounds(), [128; 2]),
+        };
+        let settings = Settings::default();
+        let horizon = Horizon::new(&seen.spec(&settings), &cells_of(&target));
+        // The default view looks along y; the fog begins a voxel behind the lattice's face.
+        let behind = |planes: i32| {
+            let least = DVec3::new(0.5 * EDGE, 0.5 + f64::from(planes), 0.5 * EDGE);
+            Aabb::new(least, least + 2.0)
+        };
+        let found = (0..EDGE as i32).find(|planes| horizon.hides(&behind(*planes)));
+        let needed = (f64::from(HIDES_ALL_BUT).ln() / -(1.0 - f64::from(opacity)).ln()).ceil() as i32;
+        let found = found.expect("a horizon");
+        // A cell and its neighbour's voxel at the face; two planes together, and what is cut of the first two; rounding.
+        assert!(
+            (needed..=needed + 9).contains(&found),
+            "{found} planes, {needed} needed"
+        );
+    }
 }
