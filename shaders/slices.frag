@@ -7,6 +7,7 @@ layout(constant_id = 0) const uint MODE = 0;
 layout(constant_id = 1) const uint TEXELS = TEXELS_VALUES;
 // 0 is unlit.
 layout(constant_id = 2) const uint LIGHTS = 0;
+const uint HELD_LIGHTS = LIGHTS == 0 ? 1 : LIGHTS;
 layout(constant_id = 3) const uint SHININESS_LOG2 = 4;
 layout(constant_id = 4) const bool PERSPECTIVE = false;
 
@@ -20,8 +21,8 @@ layout(location = 1) in vec2 ray_slope;
 layout(location = 2) flat in float cue;
 // What a frame's lights are, by the vertex shader: lavapipe gathers from a uniform for each pixel what it hands on for nothing.
 layout(location = 3) flat in vec4 material;
-layout(location = 4) flat in vec4 lights[MAX_LIGHTS];
-layout(location = 9) flat in vec4 half_ways[MAX_LIGHTS];
+layout(location = 4) flat in vec4 lights[HELD_LIGHTS];
+layout(location = 9) flat in vec4 half_ways[HELD_LIGHTS];
 // The thickness of a slab in the unit lengths that opacities of colours hold for.
 layout(location = 14) flat in float slab_units;
 

@@ -4,6 +4,8 @@
 
 // 0 is unlit.
 layout(constant_id = 2) const uint LIGHTS = 0;
+// Lights that a vertex hands on: no array has no element. (Lavapipe copies what is handed on for each vertex, used or not.)
+const uint HELD_LIGHTS = LIGHTS == 0 ? 1 : LIGHTS;
 layout(constant_id = 4) const bool PERSPECTIVE = false;
 
 layout(std140, binding = 3) uniform FrameBlock { FrameData frame; };
@@ -16,8 +18,8 @@ layout(location = 0) out vec3 texture_at;
 layout(location = 1) out vec2 ray_slope;
 layout(location = 2) flat out float cue;
 layout(location = 3) flat out vec4 material;
-layout(location = 4) flat out vec4 lights[MAX_LIGHTS];
-layout(location = 9) flat out vec4 half_ways[MAX_LIGHTS];
+layout(location = 4) flat out vec4 lights[HELD_LIGHTS];
+layout(location = 9) flat out vec4 half_ways[HELD_LIGHTS];
 layout(location = 14) flat out float slab_units;
 
 void main() {
@@ -37,8 +39,10 @@ void main() {
         break;
     default:
         material = frame.material;
-        lights = frame.lights;
-        half_ways = frame.half_ways;
+        for (uint n = 0; n < LIGHTS; ++n) {
+            lights[n] = frame.lights[n];
+            half_ways[n] = frame.half_ways[n];
+        }
     }
     float tested = frame.lens.z * (PERSPECTIVE ? 1.0 : depth_mm) + frame.lens.w / (PERSPECTIVE ? depth_mm : 1.0);
     gl_Position = vec4((PERSPECTIVE ? ray_slope : eye) * frame.lens.xy, clamp(tested, 0.0, 1.0), 1.0);
