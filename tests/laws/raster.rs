@@ -67,6 +67,11 @@ fn met(base: DVec3, slope: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Met> {
     })
 }
 
+/// Whether no corner is another; where one is, a triangle has no area.
+fn has_corners([a, b, c]: &[DVec3; 3]) -> bool {
+    a != b && b != c && c != a
+}
+
 /// How many pixels differ from the reference, and how many may.
 fn differing(shapes: &Shapes, depths_mm: &[f32]) -> [usize; 2] {
     let camera = &shapes.camera;
@@ -79,6 +84,7 @@ fn differing(shapes: &Shapes, depths_mm: &[f32]) -> [usize; 2] {
                     .transform_point3(DVec3::from_array(p.map(f64::from)))
             })
         })
+        .filter(has_corners)
         .collect();
     let reference = hits(&view(shapes, &world(shapes)), &shapes.borrowed());
     let mut found = [0; 2];
