@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::CliError;
 use super::console::{Stages, note, progress};
-use super::surfaces::{DeviceSurfaces, Surface};
+use super::surfaces::{DeviceSurfaces, Surface, shown};
 use crate::gpu::{Device, DeviceSelector, GpuError, Instance, Validation};
 use crate::image::Frame;
 use crate::math::Aabb;
@@ -15,6 +15,7 @@ use crate::projection::trace::{RayTracer, Sampling};
 use crate::projection::{Camera, FrameSpec, LevelsFrame, LevelsSpec, Projector, Reference, Settings, TransferFunction};
 use crate::render::{PagedTarget, SliceRenderer, soft_normals};
 use crate::scene::{ObjectSpec, Scene, TransferSpec};
+use crate::surface::{cast, raster};
 use crate::target::Target;
 
 /// Draws a frame with what it is given.
@@ -59,12 +60,12 @@ impl Renderer {
     /// Draws `spec`, and `surfaces` in it.
     ///
     /// # Errors
-    /// If the device fails, its validation layer has a message, or surfaces are to be drawn on the processor.
+    /// If the device fails, its validation layer has a message, or surfaces are to be traced.
     pub fn draw(&mut self, spec: &FrameSpec, surfaces: &[Surface], stages: &mut Stages) -> Result<Frame, CliError> {
         match self {
             Self::Slices(renderer) => draw_slices(renderer, spec, surfaces, stages),
+            Self::RayCaster => cast_rays(spec, surfaces, stages),
             _ if !surfaces.is_empty() => Err(no_surfaces()),
-            Self::RayCaster => cast_rays(spec, stages),
             Self::Tracer(sampling) => {
                 let mut tracer = RayTracer { sampling: *sampling };
                 Ok(stages.time("trace", || tracer.project(spec))?)
@@ -103,24 +104,34 @@ impl Renderer {
         surfaces: &[Surface],
         stages: &mut Stages,
     ) -> Result<Frame, CliError> {
-        let Self::Slices(renderer) = self else {
-            return Err(no_surfaces());
-        };
-        let device = Arc::clone(renderer.device());
-        let meshes = stages.time("upload meshes", || DeviceSurfaces::new(&device, surfaces))?;
-        let frame = stages.time("draw", || renderer.draw_meshes(camera, settings, &meshes.shown()))?;
-        without_messages(&device, frame)
+        match self {
+            Self::Slices(renderer) => {
+                let device = Arc::clone(renderer.device());
+                let meshes = stages.time("upload meshes", || DeviceSurfaces::new(&device, surfaces))?;
+                let frame = stages.time("draw", || renderer.draw_meshes(camera, settings, &meshes.shown()))?;
+                without_messages(&device, frame)
+            }
+            Self::RayCaster => {
+                let meshes = shown(surfaces);
+                Ok(stages.time("draw", || raster::draw_alone(camera, settings, &meshes))?)
+            }
+            Self::Tracer(_) | Self::Reference => Err(no_surfaces()),
+        }
     }
 }
 
-/// Surfaces are drawn on a device alone.
+/// What traces rays, and the reference, draw samples alone.
 pub(super) fn no_surfaces() -> CliError {
-    CliError::Usage("surfaces are drawn on a Vulkan device only: take --renderer slices, or leave them out".into())
+    let why = "surfaces are drawn beside slices and cast rays: take --renderer slices or raycast, or leave them out";
+    CliError::Usage(why.into())
 }
 
-fn cast_rays(spec: &FrameSpec, stages: &mut Stages) -> Result<Frame, CliError> {
+fn cast_rays(spec: &FrameSpec, surfaces: &[Surface], stages: &mut Stages) -> Result<Frame, CliError> {
     let target = stages.time("reconstruct", || CastTarget::of(spec));
-    Ok(stages.time("cast", || raycast::draw(spec, &target, None))?)
+    if surfaces.is_empty() {
+        return Ok(stages.time("cast", || raycast::draw(spec, &target, None))?);
+    }
+    Ok(stages.time("cast", || cast(spec, &target, &shown(surfaces)))?)
 }
 
 fn draw_slices(

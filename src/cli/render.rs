@@ -126,9 +126,9 @@ impl Render {
             None if traced => Ok(Renderer::Tracer(self.tracing.sampling(scene))),
             None if self.device == DeviceSelector::default() => Renderer::or_ray_caster(on_device()),
             None | Some(RendererName::Slices) => on_device(),
+            Some(RendererName::Raycast) => Ok(Renderer::RayCaster),
             Some(_) if !scene.surfaces.is_empty() => Err(no_surfaces()),
             Some(RendererName::Trace) => Ok(Renderer::Tracer(self.tracing.sampling(scene))),
-            Some(RendererName::Raycast) => Ok(Renderer::RayCaster),
             Some(RendererName::Reference) => Ok(Renderer::Reference),
         }
     }

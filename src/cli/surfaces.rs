@@ -1,4 +1,4 @@
-//! A scene's surfaces, from its target to a device.
+//! A scene's surfaces, from its target to what draws them.
 
 use std::sync::Arc;
 
@@ -47,6 +47,14 @@ impl Surface {
     pub fn description(&self) -> serde_json::Value {
         json!({ "iso": self.spec.iso, "triangles": self.mesh.triangles.len() })
     }
+}
+
+/// Surfaces as they are drawn on the processor.
+pub(super) fn shown(surfaces: &[Surface]) -> Vec<(&Mesh, MeshLook)> {
+    surfaces
+        .iter()
+        .map(|surface| (&surface.mesh, surface.spec.look))
+        .collect()
 }
 
 /// Surfaces on a device.

@@ -68,8 +68,10 @@ fn grey(fraction: Span, range: Interval, window: Interval) -> Span {
     let shift = f64::from(window.lo);
     let size = lo.abs() + width * fraction.magnitude().min(2.0) + shift.abs();
     let rounding = 5.0 * ULP * size / window_width;
+    // A mean over next to nothing may be anything, but among values that are all the same it is they.
+    let value = |f: f64| if width > 0.0 { lo + f * width } else { lo };
     fraction
-        .rising(|f| (lo + f * width - shift) / window_width)
+        .rising(|f| (value(f) - shift) / window_width)
         .widened(rounding)
         .rising(|g| g.clamp(0.0, 1.0))
 }
@@ -77,6 +79,7 @@ fn grey(fraction: Span, range: Interval, window: Interval) -> Span {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::projection::ControlPoint;
 
     const SOURCE: Spans = [Span::new(0.25, 0.26); 4];
     const BEHIND: Spans = [Span::new(0.5, 0.5); 4];
@@ -93,6 +96,28 @@ mod tests {
         let once = blend(Blending::Over, &SOURCE, &BEHIND, [1, 1])[0];
         let twice = blend(Blending::Over, &SOURCE, &BEHIND, [1, 2])[0];
         assert!(twice.lo == once.lo && twice.hi > once.hi + 0.05);
+    }
+
+    #[test]
+    fn a_mean_over_next_to_nothing_is_a_grey_of_the_window() {
+        let point = |value| ControlPoint {
+            value,
+            color: [1.0; 3],
+            opacity: 0.5,
+        };
+        let transfer = TransferFunction::new(vec![point(0.0), point(100.0)], 1.0).expect("rising values");
+        let accumulated = [Span::new(0.0, 0.1), Span::ZERO, Span::ZERO, Span::new(0.0, 0.2)];
+        for (range, greys) in [([0.0, 100.0], [0.0, 1.0]), ([40.0, 40.0], [0.4, 0.4])] {
+            let shown = resolve(
+                Mode::Average,
+                &accumulated,
+                Interval::new(range[0], range[1]),
+                &transfer,
+            )[0];
+            let alpha = 0.2;
+            assert_eq!(shown.lo.max(0.0), 0.0, "{shown:?}");
+            assert!((shown.hi - greys[1] * alpha).abs() < 1e-4, "{shown:?}");
+        }
     }
 
     #[test]

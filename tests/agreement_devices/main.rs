@@ -8,11 +8,15 @@ mod blocks;
 mod bound_widths;
 mod comparators;
 mod device;
+#[path = "../laws/raycast/drawing.rs"]
+mod drawing;
 mod edits;
+mod inside;
 mod meshes;
 mod meshes_inside;
 mod modes;
 mod random;
+mod rays;
 mod scene;
 mod shapes;
 
@@ -20,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every law; each panics with what is wrong.
-const LAWS: [fn(); 20] = [
+const LAWS: [fn(); 23] = [
     blocks::one_block_or_many_the_picture_is_the_same,
     bound_widths::a_smooth_scene_has_narrow_bounds,
     comparators::a_shifted_pixel_is_out_of_bounds,
@@ -41,6 +45,9 @@ const LAWS: [fn(); 20] = [
     modes::what_is_hidden_may_be_left_out,
     modes::slices_agree_with_the_reference,
     modes::random_scenes_agree_with_the_reference,
+    rays::slices_and_rays_agree,
+    rays::slices_and_rays_agree_among_meshes,
+    rays::a_shifted_pixel_is_seen_between_them,
 ];
 
 /// Mesa's software rasteriser, as Debian installs it.

@@ -10,6 +10,7 @@ use vcsg::surface::reference::{Hit, hits};
 use vcsg::surface::{Mesh, MeshColor, MeshLook, MeshShading, SurfaceView};
 
 use crate::device::{Bench, on_device};
+use crate::inside::frame_of;
 use crate::shapes::{FRAME_PX, Shapes, sheet};
 
 /// Names the variable with the number of random scenes, for longer runs.
@@ -77,15 +78,6 @@ impl Case {
         let view = SurfaceView::alone(&self.shapes.camera, &self.shapes.settings, &world);
         hits(&view, &self.shapes.borrowed())
     }
-}
-
-pub fn frame_of(hits: &[Option<Hit>], [width, height]: [u32; 2]) -> Frame {
-    let pixel = |hit: &Option<Hit>| {
-        hit.map_or([0.0; 4], |Hit { color: [r, g, b], .. }| {
-            [r, g, b, 1.0].map(|c| c as f32)
-        })
-    };
-    Frame::from_pixels(width, height, hits.iter().map(pixel).collect()).expect("as many pixels")
 }
 
 pub fn meshes_are_within_bounds() {

@@ -20,6 +20,10 @@ fn allowed(module: &str) -> Option<Vec<&'static str>> {
         // A projector's result is a frame.
         return Some([earlier(5), vec!["image"]].concat());
     }
+    if module == "surface" {
+        // So is a picture of meshes.
+        return Some([earlier(6), vec!["image"]].concat());
+    }
     if let Some(position) = FLOW.iter().position(|m| *m == module) {
         return Some(earlier(position));
     }

@@ -7,6 +7,8 @@ mod alike;
 mod bounds;
 mod edit;
 mod horizon;
+#[path = "../agreement_devices/inside.rs"]
+mod inside;
 mod order;
 mod path;
 mod picture;
@@ -14,10 +16,13 @@ mod plan;
 #[path = "../agreement_devices/random.rs"]
 mod random;
 mod range;
+mod raster;
 mod raycast;
 mod robust;
 #[path = "../agreement_devices/scene.rs"]
 mod scene;
+#[path = "../agreement_devices/shapes.rs"]
+mod shapes;
 #[path = "../support/mod.rs"]
 mod support;
 mod surface;

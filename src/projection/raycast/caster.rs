@@ -26,12 +26,20 @@ impl Projector for RayCaster {
 }
 
 fn check(spec: &FrameSpec) -> Result<(), ProjectError> {
-    let [width, height] = spec.camera.size;
+    require_size(spec.camera.size)?;
+    spec.check()
+}
+
+/// Requires that a frame has pixels, and none of its sides too many, to be drawn on the processor.
+///
+/// # Errors
+/// If it is not so.
+pub fn require_size([width, height]: [u32; 2]) -> Result<(), ProjectError> {
     if [width, height].iter().any(|side| !(1..=LONGEST_SIDE).contains(side)) {
         let limit = LONGEST_SIDE;
         return Err(ProjectError::FrameSize { width, height, limit });
     }
-    spec.check()
+    Ok(())
 }
 
 /// Draws a target that is ready, [`CastTarget::of`] the same spec but for camera, transfer function, and settings that no normals

@@ -26,7 +26,7 @@ mod template;
 mod tile;
 mod voxels;
 
-pub use caster::{RayCaster, accumulate, draw};
+pub use caster::{RayCaster, accumulate, draw, require_size};
 pub use levels::draw_levels;
 pub use rays::Depths;
 pub use voxels::CastTarget;

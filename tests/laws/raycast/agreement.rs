@@ -1,66 +1,15 @@
 //! Law 3: the ray caster's frames lie between the bounds of single precision, and so does the reference.
-//!
-//! The bounds are those that slices on a device are held to (`conformance`), for a device that is the ray caster: it puts rays
-//! where they are in double precision and goes on from there in single precision, among voxels of 16 bits.
 
-use vcsg::conformance::{Drawing, FrameBounds, Precision, Storage};
+use vcsg::conformance::FrameBounds;
 use vcsg::image::Frame;
 use vcsg::projection::{FrameSpec, Projector, Reference, raycast::RayCaster};
 
+use super::drawing::drawing;
+use super::picture::picture;
 use crate::scene::Recipe;
-
-/// A step of single precision at 1; a rounding is off by half of it.
-const ULP: f64 = f32::EPSILON as f64;
-
-/// How the ray caster computes the frame of `spec`.
-fn drawing(spec: &FrameSpec) -> Drawing {
-    Drawing {
-        boxes: vec![spec.target.lattice.bounds()],
-        storage: Storage {
-            rounding: 0.5 * Storage::STEP + fraction_rounding(spec),
-            page_edge: 1.0,
-        },
-        precision: Precision {
-            vertex_px: 0.0,
-            weight: place_rounding(spec),
-            // The path is rounded once.
-            interpolated: ULP,
-            coordinate: 0.0,
-            sum_steps: 0.0,
-            // Of numbers up to 1: an interpolation rounds a difference, a product and a sum, 5 half units at most; there are
-            // three.
-            sum: 8.0 * ULP,
-        },
-        // Blended from the front, and rays end.
-        bands: 2,
-    }
-}
-
-/// A voxel's fraction of the value range: a quotient, two products and a sum of numbers that are rounded themselves.
-fn fraction_rounding(spec: &FrameSpec) -> f64 {
-    let range = spec.target.value_range;
-    let magnitude = f64::from(range.lo.abs().max(range.hi.abs()));
-    let width = f64::from(range.width());
-    if width > 0.0 {
-        4.0 * ULP * (magnitude / width + 1.0)
-    } else {
-        0.0
-    }
-}
-
-/// Rounding of a place along an axis, voxels. It is counted from a whole number, and at most 7 steps further: the first part,
-/// the step, their product and their sum are each off by half a unit.
-fn place_rounding(spec: &FrameSpec) -> f64 {
-    let lattice = &spec.target.lattice;
-    let [width, height] = spec.camera.size;
-    let corners = [[0, 0], [width, 0], [0, height], [width, height]];
-    let steepest = corners
-        .map(|[x, y]| spec.camera.path_per_depth(x, y))
-        .into_iter()
-        .fold(1.0, f64::max);
-    let step = spec.planes().step_mm * steepest / lattice.spacing_mm().min_element();
-    0.5 * ULP * (2.0 + 21.0 * step)
-}
+use crate::support::scenes::{scene, subdivision};
+use crate::support::seeded;
+use vcsg::model::Boundary;
 
 /// How far the ray caster's frame is from the middle of its bounds, the worst channel, in half widths; and from the reference.
 fn deviations(spec: &FrameSpec) -> [f64; 2] {
@@ -106,4 +55,35 @@ fn scenes_agree_with_the_reference() {
         "at most {:.3} of the bounds' half width, and {:.2e} from the reference",
         worst[0], worst[1]
     );
+}
+
+/// Scenes of all that a model can hold, of values all the same, from eyes within: bounds are numbers, and hold both.
+#[test]
+fn any_model_agrees_with_the_reference() {
+    let mut nan = 0;
+    for seed in 0..400 {
+        let target = seeded(&scene(), seed).target(&seeded(&subdivision(Boundary::Exact), seed));
+        if target.blocks.is_empty() {
+            continue;
+        }
+        seeded(&picture(), seed).of(&target, |spec| {
+            let bounds = FrameBounds::new(spec, &drawing(spec));
+            let bad = bounds.widths().iter().filter(|w| w.is_nan()).count();
+            let cast = RayCaster.project(spec).expect("a frame");
+            let reference = Reference.project(spec).expect("a frame");
+            let out = [bounds.pixels_outside(&cast), bounds.pixels_outside(&reference)];
+            if bad > 0 || out != [0, 0] {
+                nan += 1;
+                println!(
+                    "seed {seed}: {bad} of {} NaN widths, {out:?} out, {:?} {:?} {:?} {:?}",
+                    bounds.widths().len(),
+                    spec.settings,
+                    target.value_range,
+                    target.lattice,
+                    spec.camera
+                );
+            }
+        });
+    }
+    assert_eq!(nan, 0);
 }

@@ -4,5 +4,7 @@
 mod agreement;
 mod blocks;
 mod depths;
+mod drawing;
 mod edges;
 mod picture;
+mod surfaces;
