@@ -147,6 +147,7 @@ fn single_files_are_what_simple_itk_reads() {
         ("SC_ybr_full_422_uncompressed.dcm", 0.0),
         ("J2K_pixelrep_mismatch.dcm", 0.0),
         ("SC_rgb_jpeg_dcmtk.dcm", 1.0),
+        ("SC_rgb_dcmtk_+eb+cr.dcm", 1.0),
         ("SC_rgb_jpeg_gdcm.dcm", 0.0),
         ("SC_rgb_small_odd_jpeg.dcm", 0.0),
         ("examples_palette.dcm", 0.0),

@@ -11,6 +11,7 @@
 mod build;
 mod put;
 mod pyramid;
+mod ranges;
 mod sample;
 mod typed;
 

@@ -9,12 +9,10 @@
 
 use rayon::prelude::*;
 
+use super::ranges::{CELL_SHIFT as BASE_SHIFT, cell_ranges};
 use super::typed::{Brick, EDGE, SHIFT, TypedBricks};
 use crate::math::Interval;
 use crate::volume::voxel::Voxel;
-
-/// log₂ of a base cell's edge.
-const BASE_SHIFT: u32 = 3;
 
 /// The most cells that a query reads along an axis.
 const SPAN: usize = 8;
@@ -50,8 +48,10 @@ impl Pyramid {
             .into_par_iter()
             .map(|index| match bricks.at(index) {
                 Brick::Constant(v) => (None, Interval::point(v.to_f32()).hull(Interval::EMPTY)),
-                Brick::Voxels(_) => {
-                    let within = Within::new(bricks, bricks.place(index));
+                Brick::Voxels(voxels) => {
+                    let place = bricks.place(index);
+                    let inside = std::array::from_fn(|a| bricks.dims()[a] - place[a] * EDGE);
+                    let within = Within::new(voxels, inside);
                     let range = hull(within.joined);
                     (Some(Box::new(within)), range)
                 }
@@ -133,17 +133,9 @@ impl Pyramid {
 }
 
 impl Within {
-    /// The ranges of the brick at place `b`.
-    fn new<T: Voxel>(bricks: &TypedBricks<T>, b: [usize; 3]) -> Self {
-        let cells = bricks.dims().map(|n| ((n - 1) >> BASE_SHIFT) + 1);
-        let base = std::array::from_fn(|n| {
-            let at = [n & 3, n >> 2 & 3, n >> 4];
-            let cell: [usize; 3] = std::array::from_fn(|a| b[a] * (EDGE >> BASE_SHIFT) + at[a]);
-            match (0..3).all(|a| cell[a] < cells[a]) {
-                true => bricks.cell_range(cell, 1 << BASE_SHIFT),
-                false => Interval::EMPTY,
-            }
-        });
+    /// The ranges of a brick of these `voxels`, of which so many along each axis lie in the volume.
+    fn new<T: Voxel>(voxels: &[T], inside: [usize; 3]) -> Self {
+        let base = cell_ranges(voxels, inside);
         let joined = std::array::from_fn(|n| {
             let lo = [n & 1, n >> 1 & 1, n >> 2].map(|c| 2 * c);
             hull_of(&base, 2, lo, lo.map(|c| c + 1))

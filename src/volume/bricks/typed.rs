@@ -6,7 +6,6 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::math::Interval;
 use crate::volume::voxel::Voxel;
 
 /// log₂ of a brick's edge.
@@ -148,16 +147,6 @@ impl<T: Voxel> TypedBricks<T> {
         &self.bricks[index as usize]
     }
 
-    /// The range of voxels `edge·cell ..= edge·(cell + 1)`, as far as the volume goes. `edge` divides a brick's.
-    pub(super) fn cell_range(&self, cell: [usize; 3], edge: usize) -> Interval {
-        let first = cell.map(|c| c * edge);
-        let planes: [usize; 3] = std::array::from_fn(|a| edge.min(self.dims[a] - 1 - first[a]) + 1);
-        match self.brick(first.map(|i| i >> SHIFT)) {
-            Brick::Constant(v) => Interval::point(v.to_f32()).hull(Interval::EMPTY),
-            Brick::Voxels(v) => box_range(&v[offset(first)..], planes),
-        }
-    }
-
     /// Reads a voxel of each cache line of the samples whose lower voxels are `first..=last`, if all of them take less than
     /// [`NEAR`].
     pub(super) fn fetch(&self, first: [usize; 3], last: [usize; 3]) {
@@ -228,17 +217,4 @@ fn fetch_rows<T: Voxel>(voxels: &[T], rows: Range<usize>, planes: Range<usize>) 
             black_box(*voxel);
         }
     }
-}
-
-/// The range of a box of `size` voxels at the start of `voxels`.
-fn box_range<T: Voxel>(voxels: &[T], size: [usize; 3]) -> Interval {
-    let mut range = Interval::EMPTY;
-    for k in 0..size[2] {
-        for j in 0..size[1] {
-            for v in &voxels[k * Z_STRIDE + j * Y_STRIDE..][..size[0]] {
-                range = range.hull(Interval::point(v.to_f32()));
-            }
-        }
-    }
-    range
 }

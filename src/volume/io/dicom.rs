@@ -15,6 +15,7 @@ mod jpeg12;
 mod jpeg_ls;
 mod layout;
 mod palette;
+mod segments;
 mod series;
 mod source;
 mod stack;

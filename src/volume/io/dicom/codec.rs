@@ -176,9 +176,11 @@ fn jpeg(stream: &[u8], layout: &Layout) -> Result<Frame, String> {
     // Of the lossless process the components are what the data set says.
     let lossless = info.coding_process == CodingProcess::Lossless;
     if samples == 3 {
-        decoder.set_color_transform(match lossless || is_rgb(stream, layout) {
-            true => ColorTransform::None,
-            false => ColorTransform::YCbCr,
+        // `None` leaves the components of a row of blocks one behind the other, but those of the lossless process together.
+        decoder.set_color_transform(match (lossless, is_rgb(stream, layout)) {
+            (true, _) => ColorTransform::None,
+            (false, true) => ColorTransform::RGB,
+            (false, false) => ColorTransform::YCbCr,
         });
     }
     let bytes = decoder.decode().map_err(|e| e.to_string())?;

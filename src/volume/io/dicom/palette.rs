@@ -2,12 +2,30 @@
 
 use std::path::Path;
 
+use dicom_core::Tag;
 use dicom_dictionary_std::tags;
 
 use super::dataset::Dataset;
 use super::layout::Layout;
+use super::segments;
 use crate::volume::io::error::ReadError;
 use crate::volume::io::stored::ByteOrder;
+
+/// Where the tables of red, green and blue are: entry by entry, or in segments.
+const TABLES: [(Tag, Tag); 3] = [
+    (
+        tags::RED_PALETTE_COLOR_LOOKUP_TABLE_DATA,
+        tags::SEGMENTED_RED_PALETTE_COLOR_LOOKUP_TABLE_DATA,
+    ),
+    (
+        tags::GREEN_PALETTE_COLOR_LOOKUP_TABLE_DATA,
+        tags::SEGMENTED_GREEN_PALETTE_COLOR_LOOKUP_TABLE_DATA,
+    ),
+    (
+        tags::BLUE_PALETTE_COLOR_LOOKUP_TABLE_DATA,
+        tags::SEGMENTED_BLUE_PALETTE_COLOR_LOOKUP_TABLE_DATA,
+    ),
+];
 
 /// The colours that indices stand for, as 8 or 16 bits each.
 #[derive(Debug)]
@@ -26,12 +44,15 @@ impl Palette {
         let descriptor = tags::RED_PALETTE_COLOR_LOOKUP_TABLE_DESCRIPTOR;
         let [entries, first, bits] = dataset.vector::<3>(descriptor).ok_or_else(missing)?;
         let count = if entries == 0.0 { 1 << 16 } else { entries as usize };
-        let tables = [
-            tags::RED_PALETTE_COLOR_LOOKUP_TABLE_DATA,
-            tags::GREEN_PALETTE_COLOR_LOOKUP_TABLE_DATA,
-            tags::BLUE_PALETTE_COLOR_LOOKUP_TABLE_DATA,
-        ];
-        let tables = tables.map(|tag| dataset.bytes(tag).and_then(|(bytes, order)| table(bytes, order, count)));
+        let tables = TABLES.map(|(whole, segmented)| {
+            let entries = dataset
+                .bytes(whole)
+                .and_then(|(bytes, order)| table(bytes, order, count));
+            entries.or_else(|| {
+                let (bytes, order) = dataset.bytes(segmented)?;
+                segments::expanded(&words(bytes, order), count)
+            })
+        });
         let [Some(red), Some(green), Some(blue)] = tables else {
             return Err(missing());
         };
@@ -58,20 +79,20 @@ impl Palette {
 /// The entries of a table: a byte each where it has no more bytes than entries, else two.
 fn table(bytes: &[u8], order: ByteOrder, count: usize) -> Option<Vec<i64>> {
     if bytes.len() >= 2 * count {
-        let number = |b: &[u8]| match order {
-            ByteOrder::Little => u16::from_le_bytes([b[0], b[1]]),
-            ByteOrder::Big => u16::from_be_bytes([b[0], b[1]]),
-        };
-        return Some(
-            bytes
-                .chunks_exact(2)
-                .take(count)
-                .map(|b| i64::from(number(b)))
-                .collect(),
-        );
+        return Some(words(&bytes[..2 * count], order).into_iter().map(i64::from).collect());
     }
     let entries = bytes.get(..count)?;
     Some(entries.iter().map(|&b| i64::from(b)).collect())
+}
+
+/// Bytes as words.
+fn words(bytes: &[u8], order: ByteOrder) -> Vec<u16> {
+    let (pairs, _) = bytes.as_chunks();
+    let word = match order {
+        ByteOrder::Little => u16::from_le_bytes,
+        ByteOrder::Big => u16::from_be_bytes,
+    };
+    pairs.iter().map(|pair| word(*pair)).collect()
 }
 
 /// Luma and chromas of full range become red, green and blue (PS3.3, C.7.6.3.1.2), in place.

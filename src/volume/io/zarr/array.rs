@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
+use half::f16;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -26,8 +27,8 @@ pub(super) struct Array {
     pub shape: Vec<usize>,
     /// Elements of a chunk along each axis.
     pub chunk: Vec<usize>,
-    /// How an element is stored.
-    pub stored: Stored,
+    /// What an element is.
+    pub element: Element,
     /// What the elements of absent chunks are.
     pub fill: f64,
     /// What the axes are called, where that is said.
@@ -36,6 +37,33 @@ pub(super) struct Array {
     pub keys: Keys,
     /// How a chunk is stored in its file.
     pub coding: Coding,
+}
+
+/// What an element is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Element {
+    /// A scalar that other formats have too.
+    Scalar(Stored),
+    /// A float of 16 bits, which is read as one of 32.
+    Half,
+}
+
+impl Element {
+    /// How it is stored: of a half float, its bits.
+    pub fn stored(self) -> Stored {
+        match self {
+            Self::Scalar(stored) => stored,
+            Self::Half => Stored::Voxel(VoxelType::U16),
+        }
+    }
+
+    /// The type that it is kept in.
+    pub fn voxel(self) -> VoxelType {
+        match self {
+            Self::Scalar(stored) => stored.voxel(),
+            Self::Half => VoxelType::F32,
+        }
+    }
 }
 
 /// How the files of chunks are named: their indices behind a prefix.
@@ -155,7 +183,7 @@ impl Array {
     /// Bytes of the elements of what is decoded as a whole.
     pub fn unit_bytes(&self) -> usize {
         let size = self.unit().iter();
-        size.fold(self.stored.bytes(), |bytes, n| bytes.saturating_mul(*n))
+        size.fold(self.element.stored().bytes(), |bytes, n| bytes.saturating_mul(*n))
     }
 
     /// How what is decoded as a whole is stored.
@@ -167,7 +195,7 @@ impl Array {
 
     fn of_version_2(folder: &Path, document: &Document) -> Result<Self, ReadError> {
         let fields: Version2 = document.parse()?;
-        let (stored, order) = match fields.dtype.as_str().and_then(stored_version_2) {
+        let (element, order) = match fields.dtype.as_str().and_then(element_version_2) {
             Some(known) => known,
             None => return Err(document.unsupported(format!("elements of type {}", fields.dtype))),
         };
@@ -189,8 +217,8 @@ impl Array {
             names: vec![None; fields.shape.len()],
             shape: sizes(document, &fields.shape)?,
             chunk: sizes(document, &fields.chunks)?,
-            stored,
-            fill: fill(document, &fields.fill_value, stored)?,
+            element,
+            fill: fill(document, &fields.fill_value, element)?,
             keys: Keys {
                 prefix: None,
                 are_folders: are_folders(document, fields.dimension_separator.as_deref().unwrap_or("."))?,
@@ -201,7 +229,7 @@ impl Array {
 
     fn of_version_3(folder: &Path, document: &Document) -> Result<Self, ReadError> {
         let fields: Version3 = document.parse()?;
-        let Some(stored) = fields.data_type.as_str().and_then(stored_version_3) else {
+        let Some(element) = fields.data_type.as_str().and_then(element_version_3) else {
             return Err(document.unsupported(format!("elements of type {}", fields.data_type)));
         };
         if fields.chunk_grid.name != "regular" {
@@ -216,8 +244,8 @@ impl Array {
             path: folder.to_owned(),
             names: fields.dimension_names.unwrap_or_else(|| vec![None; shape.len()]),
             chunk: sizes(document, &grid.chunk_shape)?,
-            stored,
-            fill: fill(document, &fields.fill_value, stored)?,
+            element,
+            fill: fill(document, &fields.fill_value, element)?,
             keys: keys_version_3(document, &fields.chunk_key_encoding)?,
             coding: coding(document, fields.codecs, shape.len())?,
             shape,
@@ -285,7 +313,7 @@ fn sizes(document: &Document, sizes: &[u64]) -> Result<Vec<usize>, ReadError> {
 }
 
 /// The element type of a NumPy type string.
-fn stored_version_2(dtype: &str) -> Option<(Stored, ByteOrder)> {
+fn element_version_2(dtype: &str) -> Option<(Element, ByteOrder)> {
     let order = match dtype.chars().next()? {
         '<' => ByteOrder::Little,
         '>' => ByteOrder::Big,
@@ -293,6 +321,7 @@ fn stored_version_2(dtype: &str) -> Option<(Stored, ByteOrder)> {
         _ => return None,
     };
     let stored = match dtype.get(1..)? {
+        "f2" => return Some((Element::Half, order)),
         "b1" | "u1" => Stored::Voxel(VoxelType::U8),
         "i1" => Stored::Voxel(VoxelType::I8),
         "u2" => Stored::Voxel(VoxelType::U16),
@@ -305,11 +334,12 @@ fn stored_version_2(dtype: &str) -> Option<(Stored, ByteOrder)> {
         "f8" => Stored::Voxel(VoxelType::F64),
         _ => return None,
     };
-    Some((stored, order))
+    Some((Element::Scalar(stored), order))
 }
 
-fn stored_version_3(name: &str) -> Option<Stored> {
-    Some(match name {
+fn element_version_3(name: &str) -> Option<Element> {
+    Some(Element::Scalar(match name {
+        "float16" => return Some(Element::Half),
         "bool" | "uint8" => Stored::Voxel(VoxelType::U8),
         "int8" => Stored::Voxel(VoxelType::I8),
         "uint16" => Stored::Voxel(VoxelType::U16),
@@ -321,7 +351,7 @@ fn stored_version_3(name: &str) -> Option<Stored> {
         "float32" => Stored::Voxel(VoxelType::F32),
         "float64" => Stored::Voxel(VoxelType::F64),
         _ => return None,
-    })
+    }))
 }
 
 /// The compressor of version 2, by the name that numcodecs gives it.
@@ -330,24 +360,26 @@ fn compressor_version_2(document: &Document, compressor: &Value) -> Result<Codec
     let codec = match id {
         "lz4" => Some(Codec::Lz4),
         "zlib" => Some(Codec::Zlib),
+        "bz2" => Some(Codec::Bzip2),
         _ => Codec::named(id),
     };
     codec.ok_or_else(|| document.unsupported(format!("the compressor `{id}`")))
 }
 
 /// The value of absent elements.
-fn fill(document: &Document, value: &Value, stored: Stored) -> Result<f64, ReadError> {
+fn fill(document: &Document, value: &Value, element: Element) -> Result<f64, ReadError> {
     let wrong = || document.wrong(format!("`fill_value` {value} is no element of its type"));
     let fill = match value {
         Value::Null => 0.0,
         Value::Bool(bit) => f64::from(u8::from(*bit)),
         Value::Number(number) => number.as_f64().ok_or_else(wrong)?,
-        Value::String(text) => fill_text(text, stored).ok_or_else(wrong)?,
+        Value::String(text) => fill_text(text, element).ok_or_else(wrong)?,
         _ => return Err(wrong()),
     };
-    let is_of_type = match stored {
-        Stored::Voxel(voxel) => voxel.is_float() || is_exact(voxel, fill),
-        Stored::I64 | Stored::U64 => fill.fract() == 0.0,
+    let is_of_type = match element {
+        Element::Half => true,
+        Element::Scalar(Stored::Voxel(voxel)) => voxel.is_float() || is_exact(voxel, fill),
+        Element::Scalar(Stored::I64 | Stored::U64) => fill.fract() == 0.0,
     };
     is_of_type.then_some(fill).ok_or_else(wrong)
 }
@@ -361,16 +393,20 @@ fn is_exact(voxel: VoxelType, value: f64) -> bool {
 }
 
 /// A value in words, or a float by its bits.
-fn fill_text(text: &str, stored: Stored) -> Option<f64> {
-    match (text, stored) {
+fn fill_text(text: &str, element: Element) -> Option<f64> {
+    match (text, element) {
         ("NaN", _) => Some(f64::NAN),
         ("Infinity", _) => Some(f64::INFINITY),
         ("-Infinity", _) => Some(f64::NEG_INFINITY),
-        (_, Stored::Voxel(VoxelType::F32)) => {
+        (_, Element::Half) => {
+            let bits = u16::from_str_radix(text.strip_prefix("0x")?, 16).ok()?;
+            Some(f16::from_bits(bits).to_f64())
+        }
+        (_, Element::Scalar(Stored::Voxel(VoxelType::F32))) => {
             let bits = u32::from_str_radix(text.strip_prefix("0x")?, 16).ok()?;
             Some(f64::from(f32::from_bits(bits)))
         }
-        (_, Stored::Voxel(VoxelType::F64)) => {
+        (_, Element::Scalar(Stored::Voxel(VoxelType::F64))) => {
             let bits = u64::from_str_radix(text.strip_prefix("0x")?, 16).ok()?;
             Some(f64::from_bits(bits))
         }

@@ -10,9 +10,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use half::f16;
 use rayon::prelude::*;
 
-use super::array::Array;
+use super::array::{Array, Element};
 use super::codec::damaged;
 use super::listing::present;
 use super::shard;
@@ -26,8 +27,8 @@ use crate::volume::voxel::map_type;
 /// The most bytes of chunks that are decoded at a time, unless one has more.
 const BATCH: u64 = 64 << 20;
 
-/// How often a chunk is held at most: as its file has it, decoded, and in the volume's order.
-pub(super) const COPIES: u64 = 3;
+/// How often a chunk is held at most: as its file has it, decoded, and in the volume's order, where a half float takes twice its room.
+pub(super) const COPIES: u64 = 4;
 
 /// The volume that is read of an array.
 #[derive(Clone, Debug)]
@@ -219,8 +220,14 @@ fn elements(array: &Array, file: &Path, bytes: Option<Range<u64>>) -> Result<Vox
     let stored = read(file, bytes, 2 * array.unit_bytes() + (1 << 16)).map_err(refused)?;
     let decoded = chain.decode(stored, array.unit_bytes()).map_err(refused)?;
     let (count, mut rest) = (array.unit().iter().product(), &*decoded);
-    decode(file, array.stored, chain.order, count, |bytes| {
+    let elements = decode(file, array.element.stored(), chain.order, count, |bytes| {
         rest.read_exact(bytes).map_err(refused)
+    })?;
+    Ok(match (array.element, elements) {
+        (Element::Half, Voxels::U16(bits)) => {
+            Voxels::F32(bits.into_iter().map(|bits| f16::from_bits(bits).to_f32()).collect())
+        }
+        (_, elements) => elements,
     })
 }
 

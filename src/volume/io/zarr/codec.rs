@@ -5,6 +5,7 @@
 
 use std::io::{self, Read};
 
+use bzip2::read::MultiBzDecoder;
 use flate2::read::{GzDecoder, ZlibDecoder};
 use serde_json::Value;
 
@@ -31,6 +32,8 @@ pub(super) enum Codec {
     Gzip,
     /// Deflate with zlib's header.
     Zlib,
+    /// Bzip2.
+    Bzip2,
     /// Zstandard.
     Zstd,
     /// An LZ4 block behind its length, as numcodecs writes it.
@@ -127,6 +130,7 @@ impl Codec {
             "zstd" => Self::Zstd,
             "blosc" => Self::Blosc,
             "crc32c" => Self::Crc32c,
+            "numcodecs.bz2" => Self::Bzip2,
             "numcodecs.zlib" => Self::Zlib,
             "numcodecs.lz4" => Self::Lz4,
             _ => return None,
@@ -138,6 +142,7 @@ impl Codec {
         match self {
             Self::Gzip => read_to(GzDecoder::new(&*bytes), most),
             Self::Zlib => read_to(ZlibDecoder::new(&*bytes), most),
+            Self::Bzip2 => read_to(MultiBzDecoder::new(&*bytes), most),
             Self::Zstd => zstd::bulk::decompress(&bytes, most),
             Self::Lz4 => lz4(&bytes, most),
             Self::Blosc => blosc::decode(&bytes, most),

@@ -168,7 +168,7 @@ fn open_array(
         format: FORMAT.name,
         name,
         dims: selection.of(&array.shape),
-        voxel: array.stored.voxel(),
+        voxel: array.element.voxel(),
         world_from_index: image.world_from_index(level, &selection),
         frames: count(Kind::Time),
         components: count(Kind::Channel),
