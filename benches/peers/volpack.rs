@@ -143,29 +143,32 @@ fn transfer() -> Outcome<TransferFunction> {
     Ok(TransferFunction::new(ramp.map(point).to_vec(), 1.0)?)
 }
 
-/// Its view: turned about y, then x, the longest edge as wide as the frame.
+/// Its view, as it puts single voxels: turned about y, then x, the longest edge as wide as the frame.
 fn camera(dims: [usize; 3], edge: u32) -> Camera {
     let longest = dims.into_iter().max().unwrap_or(1) as f64;
-    let middle = DVec3::from_array(dims.map(|n| (n - 1) as f64 / 2.0));
-    let turned = DMat3::from_rotation_x((-15f64).to_radians()) * DMat3::from_rotation_y(130f64.to_radians());
-    // VolPack's y is up, and its z goes to the eye.
-    let rotation = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)) * turned;
+    // Its middle is a voxel, and of the four pixels round the frame's middle the upper right one shows it.
+    let middle = DVec3::from_array(dims.map(|n| n as f64 / 2.0));
+    let half_pixel = 0.5 * longest / f64::from(edge);
+    // Its angles go the other way round, its y is up, and its z goes away from the eye: what it shows is a mirror image.
+    let turned = DMat3::from_rotation_x(15f64.to_radians()) * DMat3::from_rotation_y((-130f64).to_radians());
+    let rotation = DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)) * turned;
+    let place = DVec3::new(half_pixel, -half_pixel, 2.0 * longest);
     Camera {
         eye_from_world: DAffine3 {
             matrix3: rotation,
-            translation: DVec3::Z * 2.0 * longest - rotation * middle,
+            translation: place - rotation * middle,
         },
         lens: scene::parallel(longest / 2.0, edge),
         size: [edge; 2],
     }
 }
 
-/// Its material and light, but for the highlight: ours has the power 8, VolPack's 10.
+/// Its material and light.
 fn settings() -> Settings {
     Settings {
         shading: Some(Shading {
             lights: vec![Light {
-                towards: DVec3::new(0.3, -0.3, -1.0).normalize(),
+                towards: DVec3::new(-0.3, 0.3, -1.0).normalize(),
                 intensity: 1.0,
             }],
             material: Material {

@@ -85,7 +85,7 @@ static void light(vpContext *vp)
     require(vp, vpSetMaterial(vp, VP_MATERIAL0, VP_AMBIENT, VP_BOTH_SIDES, 0.18, 0.18, 0.18));
     require(vp, vpSetMaterial(vp, VP_MATERIAL0, VP_DIFFUSE, VP_BOTH_SIDES, 0.35, 0.35, 0.35));
     require(vp, vpSetMaterial(vp, VP_MATERIAL0, VP_SPECULAR, VP_BOTH_SIDES, 0.39, 0.39, 0.39));
-    require(vp, vpSetMaterial(vp, VP_MATERIAL0, VP_SHINYNESS, VP_BOTH_SIDES, 10, 0, 0));
+    require(vp, vpSetMaterial(vp, VP_MATERIAL0, VP_SHINYNESS, VP_BOTH_SIDES, 8, 0, 0));
     require(vp, vpSetLight(vp, VP_LIGHT0, VP_DIRECTION, 0.3, 0.3, 1));
     require(vp, vpSetLight(vp, VP_LIGHT0, VP_COLOR, 1, 1, 1));
     require(vp, vpEnable(vp, VP_LIGHT0, 1));
