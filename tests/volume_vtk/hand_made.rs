@@ -1,6 +1,9 @@
 //! What no writer of ours makes, but the formats allow.
 
 use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 use vcsg::volume::Voxels;
@@ -57,7 +60,14 @@ fn other_elements_may_stand_in_an_array() {
     );
 }
 
-/// Slices in pieces of their own: few of them are open at a time.
+/// How often this process has a file open.
+fn times_open(path: &Path) -> usize {
+    let links = fs::read_dir("/proc/self/fd").unwrap().flatten();
+    let is_it = |link: &fs::DirEntry| fs::read_link(link.path()).is_ok_and(|file| file == path);
+    links.filter(is_it).count()
+}
+
+/// Slices in pieces of their own: each is open only while it is read.
 #[test]
 fn many_pieces_are_opened_when_their_turn_comes() {
     let count = 1500;
@@ -70,13 +80,15 @@ fn many_pieces_are_opened_when_their_turn_comes() {
     let folder = folder();
     let path = file(&folder, "a.vti", text.as_bytes());
     let opened = io::open(&path, &ReadOptions::default()).unwrap();
-    let links = fs::read_dir("/proc/self/fd").unwrap().flatten();
-    let open = links
-        .filter(|link| fs::read_link(link.path()).is_ok_and(|file| file == path))
-        .count();
-    assert!(open <= 1, "{open} files are open");
+    assert!(times_open(&path) <= 1, "{} are open before they are read", times_open(&path));
+    let most = Arc::new(AtomicUsize::new(0));
+    let (seen, file) = (Arc::clone(&most), path.clone());
+    let watched = opened.watched(move |_| {
+        seen.fetch_max(times_open(&file), Ordering::Relaxed);
+    });
     let expected: Vec<i16> = (0..count as i16).collect();
-    assert_eq!(*opened.grid().unwrap().voxels(), Voxels::I16(expected));
+    assert_eq!(*watched.grid().unwrap().voxels(), Voxels::I16(expected));
+    assert!(most.load(Ordering::Relaxed) <= 1, "{most:?} are open while they are read");
 }
 
 #[test]

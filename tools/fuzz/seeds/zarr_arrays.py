@@ -10,11 +10,12 @@ from packed import VALUES, of_folder
 
 
 def options():
-    for codec in [None, numcodecs.GZip(), numcodecs.Zlib(), numcodecs.Zstd(), numcodecs.LZ4()]:
+    for codec in [None, numcodecs.GZip(), numcodecs.Zlib(), numcodecs.Zstd(), numcodecs.LZ4(), numcodecs.BZ2()]:
         yield dict(zarr_format=2, compressors=codec)
     for name in ["blosclz", "lz4", "zlib", "zstd"]:
         yield dict(zarr_format=2, compressors=numcodecs.Blosc(name, shuffle=numcodecs.Blosc.BITSHUFFLE), order="F")
     yield dict(compressors=[zarr.codecs.ZstdCodec(), zarr.codecs.Crc32cCodec()], filters=[zarr.codecs.TransposeCodec(order=(2, 0, 1))])
+    yield dict(dtype="<f2", compressors=None)
     yield dict(shards=(4, 4, 6), compressors=[zarr.codecs.GzipCodec()])
 
 
@@ -32,7 +33,7 @@ def arrays():
     for way in options():
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "a"
-            array = zarr.create_array(store=str(path), shape=(3, 4, 5), chunks=(2, 4, 3), dtype="<i2", fill_value=7, **way)
+            array = zarr.create_array(store=str(path), shape=(3, 4, 5), chunks=(2, 4, 3), fill_value=7, **{"dtype": "<i2", **way})
             array[1:] = VALUES[1:]
             yield of_folder(path)
     with tempfile.TemporaryDirectory() as folder:
