@@ -7,9 +7,9 @@ layout(constant_id = 0) const uint MODE = 0;
 layout(constant_id = 1) const uint TEXELS = TEXELS_VALUES;
 // 0 is unlit.
 layout(constant_id = 2) const uint LIGHTS = 0;
-const uint HELD_LIGHTS = LIGHTS == 0 ? 1 : LIGHTS;
 layout(constant_id = 3) const uint SHININESS_LOG2 = 4;
 layout(constant_id = 4) const bool PERSPECTIVE = false;
+layout(constant_id = 5) const uint HELD_LIGHTS = 1;
 
 layout(binding = 0) uniform sampler3D values;
 layout(binding = 1) uniform sampler3D normals;

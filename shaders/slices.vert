@@ -4,9 +4,9 @@
 
 // 0 is unlit.
 layout(constant_id = 2) const uint LIGHTS = 0;
-// Lights that a vertex hands on: no array has no element. (Lavapipe copies what is handed on for each vertex, used or not.)
-const uint HELD_LIGHTS = LIGHTS == 0 ? 1 : LIGHTS;
 layout(constant_id = 4) const bool PERSPECTIVE = false;
+// Lights that a vertex hands on: no array has no element. (Lavapipe copies what is handed on for each vertex, used or not.)
+layout(constant_id = 5) const uint HELD_LIGHTS = 1;
 
 layout(std140, binding = 3) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 4) readonly buffer Boxes { BoxData boxes[]; };

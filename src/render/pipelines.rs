@@ -126,6 +126,7 @@ fn slices_pipeline(device: &Arc<Device>, variant: &Variant) -> Result<Arc<Graphi
                 (2, variant.lights),
                 (3, variant.shininess_log2),
                 (4, u32::from(variant.perspective)),
+                (5, variant.lights.max(1)),
             ],
             color_targets: &[(TARGET_FORMAT, Some(variant.meeting.blend))],
             depth: variant.meeting.stops.then_some(Depth::Test),

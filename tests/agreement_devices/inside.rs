@@ -19,8 +19,6 @@ use crate::shapes::{look, sheet, sphere};
 pub struct Case {
     pub scene: Scene,
     pub meshes: Vec<(Mesh, MeshLook)>,
-    /// In how many bands it is drawn.
-    pub bands: usize,
 }
 
 impl Case {
@@ -50,7 +48,6 @@ impl Case {
         Self {
             scene,
             meshes: meshes.into_iter().map(|mesh| (mesh, look(random))).collect(),
-            bands: 1 + random.below(4),
         }
     }
 

@@ -15,7 +15,7 @@ use crate::device::{Bench, on_device};
 use crate::drawing::drawing;
 use crate::inside::Case;
 use crate::meshes::OnDevice;
-use crate::meshes_inside::{bounds, draw, prepared};
+use crate::meshes_inside::{bands_of, bounds, draw, prepared};
 use crate::scene::Recipe;
 
 /// Names the variable with the number of random scenes, for longer runs.
@@ -137,7 +137,7 @@ pub fn slices_and_rays_agree_among_meshes() {
         let mut drawn = |seed: u64| {
             let case = Case::new(seed);
             let spec = case.scene.spec();
-            let prepared = prepared(bench, &case);
+            let prepared = prepared(bench, &case, bands_of(seed));
             let on_device = OnDevice::new(bench, &case.borrowed());
             let slices = (
                 draw(bench, &case, &prepared, &on_device),

@@ -44,7 +44,7 @@ class Cases:
         array[...] = values
         volume = values[tuple(select)]
         expected = self.folder / f"{len(self.cases)}.raw"
-        if volume.dtype == numpy.float16:
+        if volume.dtype.kind == "f" and volume.dtype.itemsize == 2:
             volume = volume.astype("f4")
         little = volume.astype(volume.dtype.newbyteorder("<"))
         expected.write_bytes(numpy.ascontiguousarray(little).tobytes())

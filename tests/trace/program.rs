@@ -65,7 +65,7 @@ fn what_does_not_go_together_is_refused() {
     assert!(refused(SCENE, &["--renderer", "raycast"]).contains("--renderer trace"));
     assert!(refused(ball, &["--renderer", "raycast", "--samples", "4"]).contains("--renderer trace"));
     assert!(refused(SCENE, &["--mode", "mip"]).contains("cannot be traced"));
-    assert!(refused(SCENE, &["--surface", "1"]).contains("surfaces are drawn on a Vulkan device only"));
+    assert!(refused(SCENE, &["--surface", "1"]).contains("surfaces are drawn beside slices and cast rays"));
     assert!(refused(SCENE, &["--samples", "0"]).contains("samples"));
     assert!(refused(SCENE, &["--depth", "65"]).contains("depth"));
 }

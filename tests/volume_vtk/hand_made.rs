@@ -80,7 +80,11 @@ fn many_pieces_are_opened_when_their_turn_comes() {
     let folder = folder();
     let path = file(&folder, "a.vti", text.as_bytes());
     let opened = io::open(&path, &ReadOptions::default()).unwrap();
-    assert!(times_open(&path) <= 1, "{} are open before they are read", times_open(&path));
+    assert!(
+        times_open(&path) <= 1,
+        "{} are open before they are read",
+        times_open(&path)
+    );
     let most = Arc::new(AtomicUsize::new(0));
     let (seen, file) = (Arc::clone(&most), path.clone());
     let watched = opened.watched(move |_| {
@@ -88,7 +92,10 @@ fn many_pieces_are_opened_when_their_turn_comes() {
     });
     let expected: Vec<i16> = (0..count as i16).collect();
     assert_eq!(*watched.grid().unwrap().voxels(), Voxels::I16(expected));
-    assert!(most.load(Ordering::Relaxed) <= 1, "{most:?} are open while they are read");
+    assert!(
+        most.load(Ordering::Relaxed) <= 1,
+        "{most:?} are open while they are read"
+    );
 }
 
 #[test]

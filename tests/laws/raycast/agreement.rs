@@ -57,33 +57,21 @@ fn scenes_agree_with_the_reference() {
     );
 }
 
-/// Scenes of all that a model can hold, of values all the same, from eyes within: bounds are numbers, and hold both.
+/// Scenes of all that a model of values can hold, of values all the same, from eyes within: bounds are numbers, and hold both.
 #[test]
-fn any_model_agrees_with_the_reference() {
-    let mut nan = 0;
+fn any_model_of_values_agrees_with_the_reference() {
+    let mut asked = 0;
     for seed in 0..400 {
         let target = seeded(&scene(), seed).target(&seeded(&subdivision(Boundary::Exact), seed));
-        if target.blocks.is_empty() {
+        if target.blocks.is_empty() || target.tree.has_colors() {
             continue;
         }
         seeded(&picture(), seed).of(&target, |spec| {
             let bounds = FrameBounds::new(spec, &drawing(spec));
-            let bad = bounds.widths().iter().filter(|w| w.is_nan()).count();
-            let cast = RayCaster.project(spec).expect("a frame");
-            let reference = Reference.project(spec).expect("a frame");
-            let out = [bounds.pixels_outside(&cast), bounds.pixels_outside(&reference)];
-            if bad > 0 || out != [0, 0] {
-                nan += 1;
-                println!(
-                    "seed {seed}: {bad} of {} NaN widths, {out:?} out, {:?} {:?} {:?} {:?}",
-                    bounds.widths().len(),
-                    spec.settings,
-                    target.value_range,
-                    target.lattice,
-                    spec.camera
-                );
-            }
+            assert!(bounds.widths().iter().all(|width| !width.is_nan()), "{seed}");
+            deviations(spec);
         });
+        asked += 1;
     }
-    assert_eq!(nan, 0);
+    assert!(asked > 200, "{asked} of 400");
 }
