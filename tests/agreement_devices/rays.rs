@@ -63,7 +63,8 @@ impl Pair {
     /// How many channels are farther apart than they may be.
     fn outside(&self) -> usize {
         let all = self.differences().into_iter().zip(&self.most);
-        all.filter(|(difference, most)| !(difference <= *most)).count()
+        all.filter(|(difference, most)| difference.is_nan() || difference > *most)
+            .count()
     }
 
     fn worst(&self) -> f64 {

@@ -58,12 +58,13 @@ fn met(base: DVec3, slope: DVec3, [a, b, c]: [DVec3; 3]) -> Option<Met> {
     let across = to_a.cross(slope);
     let (second, third) = (ac.dot(across) / facing, -ab.dot(across) / facing);
     let least = (1.0 - second - third).min(second).min(third);
-    // (A comparison with what is no number is false: seen from the side, nothing is sure.)
-    let is_met = !(least < -off);
+    // Seen from the side, where there may be no numbers, nothing is sure.
+    let is_known = least.is_finite() && off.is_finite();
+    let is_met = !is_known || least >= -off;
     is_met.then(|| Met {
         depth_mm: to_a.dot(ab.cross(ac)) / facing,
         off_mm: 3.0 * off * far,
-        unsure: !(least > off),
+        unsure: !is_known || least <= off,
     })
 }
 
