@@ -317,7 +317,7 @@ const MISTAKES: &[(&[&str], &str)] = &[
             "--surface",
             "50",
             "--renderer",
-            "raycast",
+            "reference",
         ],
         "--renderer slices",
     ),

@@ -81,6 +81,22 @@ fn a_surface_fills_the_silhouette_of_its_solid() {
     }
 }
 
+/// On the processor the same surface fills it, and a veil lies over it as on the device: of 8 bits a step apart, where both round.
+#[test]
+fn surfaces_are_drawn_among_cast_rays_too() {
+    for text in [BALL.to_owned(), format!("{TWO_BALLS}{VEIL}")] {
+        let (on_device, _) = drawn(&text, &[]);
+        let (cast, about) = drawn(&text, &["--renderer", "raycast"]);
+        assert!(about["surfaces"][0]["triangles"].as_u64().unwrap() > 500, "{about}");
+        // At its edge a surface may be at a pixel on one and not on the other.
+        let differ =
+            |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 1);
+        let edge = on_device.pixels().zip(cast.pixels()).filter(differ).count();
+        let shown = cast.pixels().filter(|pixel| pixel.0 != NOTHING).count();
+        assert!(shown > 500 && 50 * edge < shown, "{edge} of {shown} differ");
+    }
+}
+
 #[test]
 fn samples_are_drawn_too_where_a_transfer_function_says_how() {
     let (alone, _) = drawn(TWO_BALLS, &[]);
