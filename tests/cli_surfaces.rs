@@ -88,12 +88,12 @@ fn surfaces_are_drawn_among_cast_rays_too() {
         let (on_device, _) = drawn(&text, &[]);
         let (cast, about) = drawn(&text, &["--renderer", "raycast"]);
         assert!(about["surfaces"][0]["triangles"].as_u64().unwrap() > 500, "{about}");
-        // At its edge a surface may be at a pixel on one and not on the other.
         let differ =
             |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 1);
-        let edge = on_device.pixels().zip(cast.pixels()).filter(differ).count();
+        let differing = on_device.pixels().zip(cast.pixels()).filter(differ).count();
         let shown = cast.pixels().filter(|pixel| pixel.0 != NOTHING).count();
-        assert!(shown > 500 && 50 * edge < shown, "{edge} of {shown} differ");
+        println!("{differing} of {shown} differ");
+        assert!(shown > 500 && differing == 0, "{differing} of {shown} differ");
     }
 }
 
