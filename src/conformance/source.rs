@@ -149,7 +149,7 @@ fn quotient(hull: &Hull, by: f64, coverage_by: f64) -> Span {
 }
 
 /// A colour for a path `path` times as long: `α' = 1 − (1−α)^path`, colour scaled by `α'/α`, which falls as α rises if `path` is
-/// above 1, and else rises; it always rises with `path`.
+/// above 1, and else rises up to α = 1, above which rounding may bring it, and falls beyond; it always rises with `path`.
 ///
 /// The power is `exp2(path · log2(1 − α))`. Vulkan lets log2 be off by 2⁻²¹ in [0.5, 2] and by 3 units elsewhere, and exp2
 /// by 3 + 2|x| units. No colour is above its α, so an error of α' is at most as large in the colour.
@@ -158,7 +158,11 @@ fn lengthened([r, g, b, alpha]: &Spans, path: Span) -> Spans {
     let scale = |a: f64, path: f64| if a > 0.0 { longer(a, path) / a } else { path };
     let error = power_error(*alpha, path);
     let least = scale(alpha.hi, path.lo).min(scale(alpha.lo, path.lo));
-    let most = scale(alpha.hi, path.hi).max(scale(alpha.lo, path.hi));
+    let opaque = 1f64.clamp(alpha.lo, alpha.hi);
+    let most = [alpha.lo, opaque, alpha.hi]
+        .map(|a| scale(a, path.hi))
+        .into_iter()
+        .fold(0.0, f64::max);
     let color = |c: Span| {
         Span::new(c.lo * least, c.hi * most)
             .widened(error)
@@ -229,6 +233,21 @@ mod tests {
         ) {
             let longer = held(alpha, width, shade, path, t)?;
             prop_assert!(longer[3].width() < 2.0 * width + 1e-2);
+        }
+
+        /// An opaque colour is itself over any path, whatever rounding adds to it and to its opacity.
+        #[test]
+        fn an_opaque_colour_is_in_the_other_path_of_the_span(
+            width_log2 in -18.0f64..-6.0,
+            shade in 0.0f64..0.9,
+            path in 0.05f64..1.5,
+            t in 0.0f64..=1.0,
+        ) {
+            let width = width_log2.exp2();
+            let color = Span::new(shade, shade + width);
+            let alpha = Span::new(1.0 - t * width, 1.0 + (1.0 - t) * width);
+            let longer = lengthened(&[color, color, color, alpha], Span::point(path));
+            prop_assert!(longer[0].lo <= color.lo && longer[0].hi >= color.hi, "{longer:?}");
         }
     }
 }

@@ -22,8 +22,16 @@ impl Storage {
     pub fn of(paged: &PagedTarget, range: Interval) -> Self {
         let edges = paged.pages.iter().flat_map(|page| page.dims);
         Self {
-            rounding: 0.5 * Self::STEP + fraction_rounding(range),
             page_edge: edges.max().map_or(1.0, f64::from),
+            ..Self::without_pages(range)
+        }
+    }
+
+    /// 16 bits of values in `range`, read by whole numbers instead of places in a page.
+    pub fn without_pages(range: Interval) -> Self {
+        Self {
+            rounding: 0.5 * Self::STEP + fraction_rounding(range),
+            page_edge: 1.0,
         }
     }
 }

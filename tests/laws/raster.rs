@@ -14,16 +14,6 @@ use vcsg::surface::{Mesh, MeshLook, SurfaceView};
 use crate::random::Random;
 use crate::shapes::{FRAME_PX, Shapes};
 
-/// Adds nothing to the roundings of single precision that bounds have by themselves.
-const SINGLE: Precision = Precision {
-    vertex_px: 0.0,
-    weight: 0.0,
-    interpolated: 0.0,
-    coordinate: 0.0,
-    sum_steps: 0.0,
-    sum: 0.0,
-};
-
 fn world(shapes: &Shapes) -> Aabb {
     let positions = shapes.meshes.iter().flat_map(|(mesh, _)| mesh.positions.iter());
     Aabb::of_points(positions.map(|p| DVec3::from_array(p.map(f64::from))))
@@ -133,7 +123,7 @@ fn colours_are_within_the_bounds_of_meshes() {
         let shapes = Shapes::random(seed);
         let world = world(&shapes);
         let scale = DepthScale::new(&shapes.camera, &world.transformed(&shapes.camera.eye_from_world));
-        let bounds = MeshBounds::new(&view(&shapes, &world), &shapes.borrowed(), &scale, &SINGLE);
+        let bounds = MeshBounds::new(&view(&shapes, &world), &shapes.borrowed(), &scale, &Precision::EXACT);
         let Drawn { frame, depths_mm } = drawn(&shapes);
         assert_eq!(bounds.pixels_outside(&frame), 0, "scene {seed}");
         assert_eq!(bounds.depths_outside(&depths_mm), 0, "depths of scene {seed}");

@@ -13,10 +13,7 @@ const ULP: f64 = f32::EPSILON as f64;
 pub fn drawing(spec: &FrameSpec) -> Drawing {
     Drawing {
         boxes: vec![spec.target.lattice.bounds()],
-        storage: Storage {
-            rounding: 0.5 * Storage::STEP + fraction_rounding(spec),
-            page_edge: 1.0,
-        },
+        storage: Storage::without_pages(spec.target.value_range),
         precision: Precision {
             vertex_px: 0.0,
             weight: place_rounding(spec),
@@ -30,18 +27,6 @@ pub fn drawing(spec: &FrameSpec) -> Drawing {
         },
         // Blended from the front, and rays end.
         bands: 2,
-    }
-}
-
-/// A voxel's fraction of the value range: a quotient, two products and a sum of numbers that are rounded themselves.
-fn fraction_rounding(spec: &FrameSpec) -> f64 {
-    let range = spec.target.value_range;
-    let magnitude = f64::from(range.lo.abs().max(range.hi.abs()));
-    let width = f64::from(range.width());
-    if width > 0.0 {
-        4.0 * ULP * (magnitude / width + 1.0)
-    } else {
-        0.0
     }
 }
 
