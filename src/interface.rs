@@ -76,6 +76,8 @@ constants! {
     pub const TABLE_LEN: u32 = 4096;
     /// What lets less than one part in so many of the light pass hides all that is behind it.
     pub const HIDES_ALL_BUT: u32 = 1024;
+    /// Edge in pixels of the tiles of which is said whether a pixel in them is open.
+    pub const OPEN_TILE: u32 = 8;
     /// Texels are values, in a lit target with normals beside them.
     pub const TEXELS_VALUES: u32 = 0;
     /// Texels are value times coverage, and coverage.

@@ -9,7 +9,7 @@ use vcsg::image::Frame;
 use vcsg::math::affine;
 use vcsg::model::Model;
 use vcsg::projection::FrameSpec;
-use vcsg::render::{PagedTarget, SliceRenderer, Timings, plan, soft_normals};
+use vcsg::render::{PagedTarget, SliceRenderer, Timings, soft_normals};
 use vcsg::target::{Subdivision, Target};
 
 use crate::Outcome;
@@ -65,25 +65,27 @@ impl Drawing {
     }
 
     /// What a frame draws.
-    pub fn work(&self) -> Work {
-        let plan = plan(&spec(&self.target, &self.look), &self.paged);
+    pub fn work(&self, renderer: &mut SliceRenderer) -> Outcome<Work> {
+        let plan = renderer
+            .draw_told(&spec(&self.target, &self.look), &self.paged, &[])?
+            .plan;
         let pixel = |p| {
             let eye = affine::point(&plan.eye_from_lattice, p);
             self.look.camera.project(eye)
         };
         let polygon = |slice| -> Vec<DVec2> { plan.polygon(slice).into_iter().map(pixel).collect() };
-        Work {
+        Ok(Work {
             boxes: plan.boxes.len(),
             polygons: plan.slices.len(),
             fragments: plan.slices.iter().map(|slice| area(&polygon(slice))).sum(),
-        }
+        })
     }
 }
 
 /// How much a frame draws.
 #[derive(Clone, Copy, Serialize)]
 pub struct Work {
-    /// Visible cubes.
+    /// Boxes of all bands.
     pub boxes: usize,
     /// Slices of all of them.
     pub polygons: usize,

@@ -208,7 +208,7 @@ impl Case {
             theirs,
             faster,
             blocks: drawing.target.blocks.len(),
-            work: drawing.work(),
+            work: drawing.work(renderer)?,
             stages: Stages::of(&builds, &timings),
         })
     }

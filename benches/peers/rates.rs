@@ -86,7 +86,7 @@ fn subject(
     let drawing = Drawing::new(device, model, subdivision, look)?;
     Ok(Subject {
         what,
-        work: drawing.work(),
+        work: drawing.work(&mut SliceRenderer::new(device)?)?,
         drawing,
         against,
         runs: Vec::new(),

@@ -14,13 +14,13 @@ use super::span::Span;
 use super::storage::Storage;
 use crate::image::Frame;
 use crate::math::Aabb;
-use crate::projection::{FrameSpec, Lens, SlicePlan};
+use crate::projection::{FrameSpec, Lens, SliceBox, SlicePlan};
 
 /// How a device draws a frame, as far as its bounds depend on it.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// The boxes that are drawn, in lattice coordinates.
-    pub boxes: Vec<Aabb>,
+    /// The boxes that are drawn.
+    pub boxes: Vec<DrawnBox>,
     /// How voxels are held.
     pub storage: Storage,
     /// What arithmetic is good for.
@@ -29,12 +29,39 @@ pub struct Drawing {
     pub bands: usize,
 }
 
+/// A box, and between which depths it is drawn: in bands, others may hold the same voxels at other depths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnBox {
+    /// In lattice coordinates.
+    pub bounds: Aabb,
+    /// From the first of its planes to the last, and half a slab on either side, millimetres.
+    pub depths_mm: [f64; 2],
+}
+
+impl DrawnBox {
+    /// The boxes of `plan` that have slices.
+    fn of(plan: &SlicePlan) -> Vec<Self> {
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut depths = vec![none; plan.boxes.len()];
+        for slice in &plan.slices {
+            let ([nearest, farthest], depth) = (&mut depths[slice.slice_box as usize], plan.depth_mm(slice));
+            (*nearest, *farthest) = (nearest.min(depth), farthest.max(depth));
+        }
+        let half = 0.5 * plan.planes.step_mm;
+        let boxes = plan.boxes.iter().zip(depths).filter(|(_, depths)| *depths != none);
+        let drawn = |(b, [nearest, farthest]): (&SliceBox, [f64; 2])| Self {
+            bounds: b.visible.bounds(),
+            depths_mm: [nearest - half, farthest + half],
+        };
+        boxes.map(drawn).collect()
+    }
+}
+
 impl Drawing {
     /// The boxes of `plan`, drawn from `storage` with `precision`.
     pub fn new(plan: &SlicePlan, storage: Storage, precision: Precision) -> Self {
-        let boxes = plan.boxes.iter();
         Self {
-            boxes: boxes.map(|b| b.visible.bounds()).collect(),
+            boxes: DrawnBox::of(plan),
             storage,
             precision,
             bands: plan.band_faces_mm.len() + 1,

@@ -21,7 +21,7 @@ mod span;
 mod storage;
 mod table;
 
-pub use bounds::{Drawing, FrameBounds};
+pub use bounds::{Drawing, DrawnBox, FrameBounds};
 pub use mesh::MeshBounds;
 pub use precision::Precision;
 pub use span::Span;

@@ -10,6 +10,7 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::bounds::DrawnBox;
 use super::precision::{Precision, ULP};
 use crate::math::{Aabb, affine};
 use crate::projection::{FrameSpec, Lens};
@@ -28,7 +29,7 @@ pub(super) struct Places {
     vertex_mm: f64,
     /// Error of a texture coordinate and of the weights, texels.
     texel: f64,
-    boxes: Vec<Aabb>,
+    boxes: Vec<DrawnBox>,
 }
 
 /// One place that a device may sample.
@@ -40,7 +41,7 @@ pub(super) struct Place {
 }
 
 impl Places {
-    pub(super) fn new(spec: &FrameSpec, boxes: Vec<Aabb>, page_edge: f64, precision: &Precision) -> Self {
+    pub(super) fn new(spec: &FrameSpec, boxes: Vec<DrawnBox>, page_edge: f64, precision: &Precision) -> Self {
         let lattice = spec.target.lattice.bounds();
         let eye_from_lattice = crate::projection::eye_from_lattice(&spec.target.lattice, spec.camera);
         let [width, height] = spec.camera.size;
@@ -102,10 +103,10 @@ impl Places {
         if reach.intersect(&self.lattice).is_empty() {
             return None;
         }
-        let times = self.times(&reach, drawn);
+        let times = self.times(&reach, drawn, eye.z);
         let mut sampled = reach;
         if times != [1, 1] {
-            let near = self.boxes.iter().filter(|b| !b.intersect(&reach).is_empty());
+            let near = self.boxes_at(eye.z).filter(|b| !b.intersect(&reach).is_empty());
             for sliver in near.filter_map(|b| self.sliver(b, eye)) {
                 sampled = sampled.hull(&sliver);
             }
@@ -114,6 +115,12 @@ impl Places {
             texels: sampled.expand(DVec3::splat(self.texel)),
             times,
         })
+    }
+
+    /// The boxes that are drawn at a depth.
+    fn boxes_at(&self, depth_mm: f64) -> impl Iterator<Item = &Aabb> {
+        let at_depth = move |b: &&DrawnBox| (b.depths_mm[0]..=b.depths_mm[1]).contains(&depth_mm);
+        self.boxes.iter().filter(at_depth).map(|b| &b.bounds)
     }
 
     /// The polygon that `b` has at the depth of `eye`, if `eye` is on a triangle of it that the rasteriser's grid may make a
@@ -159,17 +166,20 @@ impl Places {
     }
 
     /// A place that is not near a face is drawn once; whether what is there shows at all is for its values to say.
-    fn times(&self, reach: &Aabb, drawn: DVec3) -> [u32; 2] {
+    fn times(&self, reach: &Aabb, drawn: DVec3, depth_mm: f64) -> [u32; 2] {
         let middle = reach.center() + 0.5;
         let near_face = (middle - middle.round()).abs().cmple(drawn).any();
         if !near_face {
             return [1, 1];
         }
-        let inside = self.boxes.iter().any(|b| b.intersect(reach) == *reach);
+        let inside = self.boxes_at(depth_mm).any(|b| b.intersect(reach) == *reach);
         if inside {
             return [1, 1];
         }
-        let possible = self.boxes.iter().filter(|b| !b.intersect(reach).is_empty()).count() as u32;
+        let possible = self
+            .boxes_at(depth_mm)
+            .filter(|b| !b.intersect(reach).is_empty())
+            .count() as u32;
         if possible == 0 && self.lattice.intersect(reach) == *reach {
             return [1, 1];
         }

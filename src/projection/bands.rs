@@ -5,20 +5,29 @@
 //! pixel at which so little light still passes that nothing behind can show is closed to the bands that follow.
 //! *Practice.* A pixel is closed when less than one part in [`HIDES_ALL_BUT`] passes, a quarter of a step of 8 bits. The more
 //! bands, the sooner a ray ends and the more often pixels are looked at; only those that the last band can have drawn on are.
+//! A plan can be [cut] when it is made. But what is closed also tells which boxes need not be planned at all, so whoever draws at once
+//! [sweeps](Sweep) over slabs of depth instead, and plans each with what is [open](OpenTiles) by then.
 
 use std::ops::Range;
 
 use glam::DVec2;
 
 use super::composite::Blending;
-use super::{FrameSpec, Slice, SlicePlan};
+use super::{BoxView, FrameSpec, OpenTiles, Planes, Slice, SlicePlan};
 use crate::interface::HIDES_ALL_BUT;
+use crate::target::Lattice;
 
 /// The bands of a plan that is cut. On lavapipe a head with opaque skin in 512² pixels drew equally fast with 8 to 14 of them.
 const COUNT: usize = 10;
 
 /// A plan is cut if a ray can end in this part of the way through it; later it saves less than bands cost.
 const SOON: f64 = 0.25;
+
+/// Planes of a slab while all of the frame is open.
+const SLAB_PLANES: i64 = 16;
+
+/// The most planes of a slab.
+const THICKEST_SLAB: i64 = 64;
 
 /// `plan`, cut into bands if it can pay.
 pub fn cut(plan: SlicePlan, spec: &FrameSpec) -> SlicePlan {
@@ -73,6 +82,44 @@ fn faces(plan: &SlicePlan, count: usize) -> Vec<f64> {
         before += fragments;
     }
     faces
+}
+
+/// Slabs of a frame's depth, the nearest first, that are planned one after another: each is as thick as pays with what is open by then.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    planes: Planes,
+    /// The planes that no slab holds yet.
+    left: Range<i64>,
+    /// The part of the frame that the lattice is seen in, and its tiles.
+    seen_px: [DVec2; 2],
+    tiles: u32,
+}
+
+impl Sweep {
+    /// Of all `planes` that meet `lattice`, of which boxes are seen in `view`.
+    pub fn new(lattice: &Lattice, planes: Planes, view: &BoxView) -> Self {
+        let eye = view.eye_bounds(&lattice.bounds());
+        let seen_px = view.seen_px(&eye);
+        let camera = view.camera();
+        Self {
+            planes,
+            left: planes.between(eye.min.z.max(camera.near_mm()), eye.max.z),
+            seen_px,
+            tiles: OpenTiles::all(camera.size).within(seen_px),
+        }
+    }
+
+    /// The depths of the next slab in millimetres, from the first to before the second; `None` if nothing is left, or nothing open.
+    pub fn next(&mut self, open: &OpenTiles) -> Option<[f64; 2]> {
+        let open = i64::from(open.within(self.seen_px));
+        if self.left.is_empty() || open == 0 {
+            return None;
+        }
+        let thickness = (SLAB_PLANES * i64::from(self.tiles) / open).min(THICKEST_SLAB);
+        let end = self.left.end.min(self.left.start + thickness);
+        let begin = std::mem::replace(&mut self.left.start, end);
+        Some([begin, end].map(|plane| self.planes.depth(plane) - 0.5 * self.planes.step_mm))
+    }
 }
 
 /// The slices of each band, the nearest band first.

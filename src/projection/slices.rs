@@ -11,7 +11,8 @@ use std::collections::HashMap;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::{Camera, Planes, Template, Visibility, VisibleBox, eye_from_lattice};
-use crate::math::affine;
+use crate::math::{Viewpoint, affine};
+use crate::target::Lattice;
 
 /// A drawn box.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,28 +60,18 @@ pub struct SlicePlan {
 impl SlicePlan {
     /// Plans the frame that `camera` sees of what `visibility` shows.
     pub fn new(visibility: &Visibility, camera: &Camera, planes: Planes) -> Self {
-        let lattice = &visibility.target.lattice;
-        let lattice_from_world = lattice.world_from_lattice.inverse();
-        let eye_from_lattice = eye_from_lattice(lattice, camera);
-        let depths = lattice.bounds().transformed(&eye_from_lattice);
-        let viewpoint = camera.viewpoint().transformed(&lattice_from_world);
-        let mut planner = Planner {
-            plan: Self {
-                eye_from_lattice,
-                planes,
-                cue_mm: [depths.min.z, depths.max.z],
-                templates: Vec::new(),
-                boxes: Vec::new(),
-                slices: Vec::new(),
-                band_faces_mm: Vec::new(),
-            },
-            template_ids: HashMap::new(),
-            camera,
-        };
-        for visible in visibility.boxes_back_to_front(viewpoint) {
-            planner.add(visible);
-        }
-        planner.plan
+        Planner::new(&visibility.target.lattice, camera, planes).plan(visibility)
+    }
+
+    /// Adds another plan of the same frame behind this one, from whose nearest slices it is cut off at `face_mm`.
+    pub fn append(&mut self, face_mm: f64, mut behind: Self) {
+        let (boxes, templates) = (self.boxes.len() as u32, self.templates.len() as u32);
+        behind.boxes.iter_mut().for_each(|b| b.template += templates);
+        behind.slices.iter_mut().for_each(|slice| slice.slice_box += boxes);
+        self.templates.append(&mut behind.templates);
+        self.boxes.append(&mut behind.boxes);
+        self.slices.append(&mut behind.slices);
+        self.band_faces_mm.push(face_mm);
     }
 
     /// Whether it is in several bands.
@@ -117,38 +108,96 @@ impl SlicePlan {
     }
 }
 
-struct Planner<'a> {
-    plan: SlicePlan,
-    template_ids: HashMap<[usize; 3], u32>,
+/// What plans of one view have in common.
+pub struct Planner<'a> {
     camera: &'a Camera,
+    /// From lattice coordinates to the eye frame.
+    eye_from_lattice: DAffine3,
+    planes: Planes,
+    viewpoint: Viewpoint,
+    /// The depths of the lattice, millimetres.
+    depths_mm: [f64; 2],
+    /// Of the boxes so far, by their extent.
+    templates: HashMap<[usize; 3], Template>,
 }
 
-impl Planner<'_> {
-    fn add(&mut self, visible: VisibleBox) {
-        let eye_from_lattice = &self.plan.eye_from_lattice;
-        let extent = visible.extent;
-        let corners = visible.bounds().corners().map(|c| affine::point(eye_from_lattice, c));
+impl<'a> Planner<'a> {
+    /// For boxes of `lattice` that `camera` sees on `planes`.
+    pub fn new(lattice: &Lattice, camera: &'a Camera, planes: Planes) -> Self {
+        let eye_from_lattice = eye_from_lattice(lattice, camera);
+        let depths = lattice.bounds().transformed(&eye_from_lattice);
+        let lattice_from_world = lattice.world_from_lattice.inverse();
+        Self {
+            camera,
+            eye_from_lattice,
+            planes,
+            viewpoint: camera.viewpoint().transformed(&lattice_from_world),
+            depths_mm: [depths.min.z, depths.max.z],
+            templates: HashMap::new(),
+        }
+    }
+
+    /// A plan without slices.
+    pub fn empty(&self) -> SlicePlan {
+        SlicePlan {
+            eye_from_lattice: self.eye_from_lattice,
+            planes: self.planes,
+            cue_mm: self.depths_mm,
+            templates: Vec::new(),
+            boxes: Vec::new(),
+            slices: Vec::new(),
+            band_faces_mm: Vec::new(),
+        }
+    }
+
+    /// Plans what `visibility` shows, between the depths that remain if it says which do.
+    pub fn plan(&mut self, visibility: &Visibility) -> SlicePlan {
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        let depths_mm = visibility.remaining.map_or(all, |remaining| remaining.depths_mm);
+        let mut plan = self.empty();
+        let mut template_ids = HashMap::new();
+        for visible in visibility.boxes_back_to_front(self.viewpoint) {
+            self.add(visible, depths_mm, &mut template_ids, &mut plan);
+        }
+        plan
+    }
+
+    fn add(
+        &mut self,
+        visible: VisibleBox,
+        [from_mm, before_mm]: [f64; 2],
+        template_ids: &mut HashMap<[usize; 3], u32>,
+        plan: &mut SlicePlan,
+    ) {
+        let corners = visible
+            .bounds()
+            .corners()
+            .map(|c| affine::point(&self.eye_from_lattice, c));
         let depths = corners.map(|c| c.z);
         let nearest_mm = depths.iter().copied().fold(f64::INFINITY, f64::min);
         let farthest_mm = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let visible_from = self.camera.near_mm().max(nearest_mm);
-        let planes = self.plan.planes.between(visible_from, farthest_mm);
+        let planes = self
+            .planes
+            .between(visible_from.max(from_mm), farthest_mm.min(before_mm));
         let seen_px = self.seen_px(&corners);
         if planes.is_empty() || seen_px[0].cmpgt(seen_px[1]).any() {
             return;
         }
-        let template = self.template(extent);
-        let voxels: f64 = extent.iter().map(|&n| n as f64).product();
-        let volume_mm3 = voxels * self.plan.eye_from_lattice.matrix3.determinant().abs();
+        let template = *template_ids.entry(visible.extent).or_insert_with(|| {
+            plan.templates.push(self.template(visible.extent));
+            plan.templates.len() as u32 - 1
+        });
+        let voxels: f64 = visible.extent.iter().map(|&n| n as f64).product();
+        let volume_mm3 = voxels * self.eye_from_lattice.matrix3.determinant().abs();
         let area_px = volume_mm3 / (farthest_mm - nearest_mm) * self.camera.pixels_per_mm(visible_from).powi(2);
         let [width, height] = self.camera.size.map(f64::from);
-        let slice_box = self.plan.boxes.len() as u32;
-        let global = self.plan.planes;
-        self.plan.slices.extend(planes.rev().map(|k| Slice {
+        let slice_box = plan.boxes.len() as u32;
+        plan.slices.extend(planes.rev().map(|k| Slice {
             slice_box,
-            t_mm: global.depth(k) - nearest_mm,
+            t_mm: self.planes.depth(k) - nearest_mm,
         }));
-        self.plan.boxes.push(SliceBox {
+        plan.boxes.push(SliceBox {
             visible,
             template,
             nearest_mm,
@@ -168,14 +217,11 @@ impl Planner<'_> {
         [least.max(DVec2::ZERO), greatest.min(size)]
     }
 
-    fn template(&mut self, extent: [usize; 3]) -> u32 {
-        let plan = &mut self.plan;
-        *self.template_ids.entry(extent).or_insert_with(|| {
-            let size = DVec3::from_array(extent.map(|n| n as f64));
-            let unit = DMat3::from_diagonal(size);
-            plan.templates
-                .push(Template::new(&(plan.eye_from_lattice.matrix3 * unit)));
-            plan.templates.len() as u32 - 1
-        })
+    fn template(&mut self, extent: [usize; 3]) -> Template {
+        let of_extent = || {
+            let unit = DMat3::from_diagonal(DVec3::from_array(extent.map(|n| n as f64)));
+            Template::new(&(self.eye_from_lattice.matrix3 * unit))
+        };
+        self.templates.entry(extent).or_insert_with(of_extent).clone()
     }
 }

@@ -1,18 +1,16 @@
 //! Which parts of the target a transfer function shows.
 //!
 //! *Changes from the paper.* VCSG draws every block that the tree reaches; here only those parts of a block are drawn whose
-//! value ranges ([`CellRanges`]) are not invisible throughout, and that do not lie behind what hides them ([`Horizon`]).
+//! value ranges ([`CellRanges`](crate::target::CellRanges)) are not invisible throughout, and of which something may still show ([`Remaining`]).
 //! *Practice.* Opaque table entries are counted once in a running sum, so asking for a range of values costs two look-ups.
 
 use glam::{DVec3, Vec3Swizzles};
-use rayon::prelude::*;
 
 use super::halving::{Halving, Shown};
-use super::horizon::Horizon;
 use super::table::TakenEntries;
-use super::{Camera, FrameSpec, Planes, TransferTable, VisibleBox, eye_from_lattice};
+use super::{Camera, FrameSpec, Planes, Remaining, ShownCells, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
-use crate::target::{CELL, CellRanges, Cube, Lattice, OctreeNode, Target, VoxelBox, octants_back_to_front};
+use crate::target::{CELL, Cube, Lattice, OctreeNode, Target, VoxelBox, octants_back_to_front};
 
 /// The values that are not invisible.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,14 +153,12 @@ impl DrawCost {
 pub struct Visibility<'a> {
     /// The subdivision.
     pub target: &'a Target,
-    /// The cells of each block.
-    pub cells: &'a [CellRanges],
-    /// What shows.
-    pub values: &'a VisibleValues,
+    /// The cells of its blocks in which something shows.
+    pub shown: &'a ShownCells<'a>,
     /// Edge of the smallest cubes that are drawn apart, a power of two of at least [`CELL`] voxels.
     pub min_cube: usize,
-    /// Where others hide all behind them, if that is known.
-    pub horizon: Option<&'a Horizon>,
+    /// What of the frame is left to be drawn, unless that is all of it.
+    pub remaining: Option<Remaining<'a>>,
     /// What a box costs: parts that do not show are drawn with the rest where that is cheaper than to draw around them.
     pub cost: DrawCost,
 }
@@ -179,6 +175,7 @@ impl Visibility<'_> {
         match self.target.octree.nodes[node] {
             OctreeNode::Empty => {}
             OctreeNode::Block(block) => found.extend(self.shown(block, cube, viewpoint).boxes),
+            OctreeNode::Split(_) if !self.remains(&cube.voxels(self.target.lattice.dims)) => {}
             OctreeNode::Split(first) => {
                 for octant in octants_back_to_front(&cube, viewpoint) {
                     let node = first as usize + octant;
@@ -192,20 +189,17 @@ impl Visibility<'_> {
     fn shown(&self, block: u32, cube: Cube, viewpoint: Viewpoint) -> Shown {
         let dims = self.target.lattice.dims;
         let voxels = cube.voxels(dims);
-        if voxels.is_empty() {
+        let lattice = &self.target.lattice;
+        if voxels.is_empty() || !self.shown.any_in(block, lattice, &voxels) || !self.remains(&voxels) {
             return Shown::default();
         }
         if cube.size <= self.min_cube.max(CELL) {
-            let hidden = |horizon: &Horizon| horizon.hides(&voxels.bounds());
-            if !self.any_cell(block, &voxels) || self.horizon.is_some_and(hidden) {
-                return Shown::default();
-            }
             return Shown {
                 boxes: vec![VisibleBox::new(block, voxels)],
                 cost: self.cost.of(voxels.extent),
             };
         }
-        let octants = self.octants(block, cube, viewpoint);
+        let octants = std::array::from_fn(|octant| self.shown(block, cube.octant(octant), viewpoint));
         let halving = Halving {
             block,
             cube,
@@ -216,32 +210,9 @@ impl Visibility<'_> {
         halving.shown(viewpoint)
     }
 
-    /// What is drawn of each octant of a cube; those of large cubes are looked at side by side.
-    fn octants(&self, block: u32, cube: Cube, viewpoint: Viewpoint) -> [Shown; 8] {
-        const ALONE: usize = 64;
-        let shown = |octant: usize| self.shown(block, cube.octant(octant), viewpoint);
-        let mut octants: [Shown; 8] = Default::default();
-        if cube.size <= ALONE {
-            octants
-                .iter_mut()
-                .enumerate()
-                .for_each(|(n, octant)| *octant = shown(n));
-        } else {
-            octants
-                .par_iter_mut()
-                .enumerate()
-                .for_each(|(n, octant)| *octant = shown(n));
-        }
-        octants
-    }
-
-    /// Whether any cell that meets `voxels` shows.
-    fn any_cell(&self, block: u32, voxels: &VoxelBox) -> bool {
-        let cells = &self.cells[block as usize];
-        let [x, y, z] = cells.meeting(&self.target.lattice, voxels);
-        z.into_iter().any(|z| {
-            let mut rows = y.clone();
-            rows.any(|y| x.clone().any(|x| self.values.any_in(cells.range([x, y, z]))))
-        })
+    /// Whether something in `voxels` may have to do with what remains.
+    fn remains(&self, voxels: &VoxelBox) -> bool {
+        self.remaining
+            .is_none_or(|remaining| remaining.may_show(&voxels.bounds()))
     }
 }

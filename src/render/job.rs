@@ -3,12 +3,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use super::depths::DepthScale;
 use super::frame;
-use super::layers::{Layers, Meeting};
+use super::layers::{Layers, Meeting, Order};
 use super::mesh::{ShownMesh, mesh_bounds};
 use super::pages::{Page, PagedTarget};
-use super::slices::{SliceRenderer, TABLE_FORMAT};
+use super::slices::{Accumulated, SliceRenderer, TABLE_FORMAT};
 use super::submissions::{SUBMISSION_FRAGMENTS, Submissions};
 use super::surfaces::{Shown, Surfaces};
 use crate::gpu::{
@@ -37,61 +39,81 @@ pub fn fans() -> Vec<u32> {
         .collect()
 }
 
-/// Everything that one frame needs on the device.
+/// A frame that is being drawn on the device.
 pub struct Job {
-    layers: Layers,
+    pub layers: Layers,
     surfaces: Option<Surfaces>,
-    submissions: Submissions,
+    shared: Shared,
+    pub submissions: Submissions,
 }
 
 impl Job {
-    /// Uploads what `plan` needs and records its draws, among `meshes`.
+    /// Records the images, and `meshes`; slices can then be added in `order`, of plans that have view and depth cue of `like`.
     pub fn new(
         renderer: &mut SliceRenderer,
         spec: &FrameSpec,
-        paged: &PagedTarget,
-        plan: &SlicePlan,
         meshes: &[ShownMesh],
+        order: Order,
+        like: &SlicePlan,
     ) -> Result<Self, GpuError> {
         let mut submissions = Submissions::default();
         let scale = DepthScale::new(spec.camera, &drawn_bounds(spec, meshes));
         let surfaces = surfaces(renderer, spec, meshes, &scale, &mut submissions)?;
         let depth = surfaces.as_ref().map(|surfaces| &surfaces.depth);
-        let layers = Layers::new(renderer, spec.camera.size, plan, depth)?;
-        let meeting = Meeting::new(spec, plan, &layers);
-        let shared = Shared::new(renderer, spec, paged, plan, &scale, meeting, submissions.last())?;
+        let layers = Layers::new(renderer, spec.camera.size, order, depth)?;
+        let meeting = Meeting::new(spec, &layers);
+        let shared = Shared::new(renderer, spec, like, &scale, meeting, submissions.last())?;
         submissions.last().render(layers.clear(depth));
-        let mut drawn: Option<Range<usize>> = None;
-        for band in bands::ranges(plan) {
-            let close = drawn.and_then(|before| layers.close(bands::seen_px(plan, before)));
-            close.into_iter().for_each(|pass| submissions.last().render(pass));
-            for (part, fragments) in parts(plan, band.clone()) {
-                let draws = shared.draws(renderer, spec, paged, plan, part)?;
-                submissions.render(layers.go_on(draws), fragments);
-            }
-            drawn = Some(band);
-        }
         Ok(Self {
             layers,
             surfaces,
+            shared,
             submissions,
         })
     }
 
-    /// Draws.
-    pub fn run(&self, device: &Arc<Device>) -> Result<(), GpuError> {
-        self.submissions.run(device)
+    /// Records the slices of `plan`, and between its bands what closes pixels.
+    pub fn add(
+        &mut self,
+        renderer: &mut SliceRenderer,
+        spec: &FrameSpec,
+        paged: &PagedTarget,
+        plan: &SlicePlan,
+    ) -> Result<(), GpuError> {
+        if plan.slices.is_empty() {
+            return Ok(());
+        }
+        let bindings = self.shared.bind(renderer, spec, paged, plan)?;
+        let mut drawn: Option<Range<usize>> = None;
+        for band in bands::ranges(plan) {
+            if let Some(before) = drawn {
+                self.close(bands::seen_px(plan, before));
+            }
+            for (part, fragments) in parts(plan, band.clone()) {
+                let draws = draws(renderer, spec, paged, plan, part, self.shared.meeting, &bindings)?;
+                self.submissions.render(self.layers.go_on(draws), fragments);
+            }
+            drawn = Some(band);
+        }
+        Ok(())
     }
 
-    /// What was accumulated of the slices.
-    pub fn accumulated(&self, device: &Arc<Device>) -> Result<Frame, GpuError> {
-        read_back(device, &self.layers.accumulated)
+    /// Closes pixels in a part of the frame, if pixels are closed at all.
+    pub fn close(&mut self, seen_px: [DVec2; 2]) {
+        if let Some(pass) = self.layers.close(seen_px) {
+            self.submissions.last().render(pass);
+        }
     }
 
-    /// The meshes, if there are any.
-    pub fn surfaces(&self, device: &Arc<Device>) -> Result<Option<Frame>, GpuError> {
+    /// What is drawn, once all is done that was handed over.
+    pub fn accumulated(&self, device: &Arc<Device>) -> Result<Accumulated, GpuError> {
         let surfaces = self.surfaces.as_ref();
-        surfaces.map(|surfaces| read_back(device, &surfaces.image)).transpose()
+        Ok(Accumulated {
+            samples: read_back(device, &self.layers.accumulated)?,
+            surfaces: surfaces
+                .map(|surfaces| read_back(device, &surfaces.image))
+                .transpose()?,
+        })
     }
 }
 
@@ -143,9 +165,10 @@ fn parts(plan: &SlicePlan, band: Range<usize>) -> Vec<(Range<usize>, f64)> {
     parts
 }
 
-/// Buffers and tables of a frame, and the bindings of each page.
+/// What all slices of a frame read.
 struct Shared {
-    bindings: Vec<Arc<Bindings>>,
+    table: Arc<Image>,
+    frame_data: Arc<Buffer>,
     meeting: Meeting,
 }
 
@@ -153,30 +176,38 @@ impl Shared {
     fn new(
         renderer: &SliceRenderer,
         spec: &FrameSpec,
-        paged: &PagedTarget,
-        plan: &SlicePlan,
+        like: &SlicePlan,
         scale: &DepthScale,
         meeting: Meeting,
         recording: &mut Recording,
     ) -> Result<Self, GpuError> {
         let device = &renderer.device;
-        if plan.slices.is_empty() {
-            return Ok(Self {
-                bindings: Vec::new(),
-                meeting,
-            });
-        }
         let extent = Extent::D1(TABLE_LEN);
-        let table_image = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
+        let table = Image::new(device, "transfer table", ImageRole::Sampled, TABLE_FORMAT, extent)?;
         let entries = Buffer::with_data(device, "transfer table", spec.table().entries())?;
-        recording.upload(&entries, &table_image);
+        recording.upload(&entries, &table);
         let view = SurfaceView {
-            cue_mm: plan.cue_mm,
+            cue_mm: like.cue_mm,
             ..SurfaceView::beside(spec)
         };
-        let mut data = frame::frame_data(&view, &plan.eye_from_lattice, scale, spec.shading());
+        let mut data = frame::frame_data(&view, &like.eye_from_lattice, scale, spec.shading());
         data.cue[3] = spec.slab_units().unwrap_or(1.0) as f32;
-        let uniform = Buffer::with_data(device, "frame data", &[data])?;
+        Ok(Self {
+            table,
+            frame_data: Buffer::with_data(device, "frame data", &[data])?,
+            meeting,
+        })
+    }
+
+    /// The bindings of each page for the slices of `plan`.
+    fn bind(
+        &self,
+        renderer: &SliceRenderer,
+        spec: &FrameSpec,
+        paged: &PagedTarget,
+        plan: &SlicePlan,
+    ) -> Result<Vec<Arc<Bindings>>, GpuError> {
+        let device = &renderer.device;
         let boxes = Buffer::with_data(device, "boxes", &frame::boxes(spec, plan, paged))?;
         let vertices = Buffer::with_data(device, "moving vertices", &frame::vertices(plan))?;
         let slices = Buffer::with_data(device, "slices", &frame::slices(plan))?;
@@ -185,68 +216,59 @@ impl Shared {
             let entries = [
                 sampled(&page.values),
                 sampled(page.normals.as_ref().unwrap_or(&page.values)),
-                Binding::SampledImage(Arc::clone(&table_image), Arc::clone(&renderer.nearest)),
-                Binding::Uniform(Arc::clone(&uniform)),
+                Binding::SampledImage(Arc::clone(&self.table), Arc::clone(&renderer.nearest)),
+                Binding::Uniform(Arc::clone(&self.frame_data)),
                 Binding::Storage(Arc::clone(&boxes)),
                 Binding::Storage(Arc::clone(&vertices)),
                 Binding::Storage(Arc::clone(&slices)),
             ];
             Bindings::new(device, "page", &entries)
         };
-        Ok(Self {
-            bindings: paged.pages.iter().map(bind).collect::<Result<_, _>>()?,
-            meeting,
-        })
+        paged.pages.iter().map(bind).collect()
     }
+}
 
-    /// A draw for each run of slices of one page, or several if it is long.
-    fn draws(
-        &self,
-        renderer: &mut SliceRenderer,
-        spec: &FrameSpec,
-        paged: &PagedTarget,
-        plan: &SlicePlan,
-        part: Range<usize>,
-    ) -> Result<Vec<Draw>, GpuError> {
-        let page_of = |n: usize| {
-            let slice_box = &plan.boxes[plan.slices[n].slice_box as usize];
-            paged.slots[slice_box.visible.block as usize].page
-        };
-        let mut draws = Vec::new();
-        let mut begin = part.start;
-        while begin < part.end {
-            let page = page_of(begin);
-            let mut end = begin + 1;
-            while end < part.end && end - begin < DRAW_SLICES as usize && page_of(end) == page {
-                end += 1;
-            }
-            let pipeline = renderer
-                .pipelines
-                .slices(&renderer.device, spec, paged.pages[page].texels, self.meeting)?;
-            draws.push(self.draw(renderer, pipeline, page, begin..end));
-            begin = end;
+/// A draw for each run of slices of one page, or several if it is long.
+fn draws(
+    renderer: &mut SliceRenderer,
+    spec: &FrameSpec,
+    paged: &PagedTarget,
+    plan: &SlicePlan,
+    part: Range<usize>,
+    meeting: Meeting,
+    bindings: &[Arc<Bindings>],
+) -> Result<Vec<Draw>, GpuError> {
+    let page_of = |n: usize| {
+        let slice_box = &plan.boxes[plan.slices[n].slice_box as usize];
+        paged.slots[slice_box.visible.block as usize].page
+    };
+    let mut draws = Vec::new();
+    let mut begin = part.start;
+    while begin < part.end {
+        let page = page_of(begin);
+        let mut end = begin + 1;
+        while end < part.end && end - begin < DRAW_SLICES as usize && page_of(end) == page {
+            end += 1;
         }
-        Ok(draws)
+        let texels = paged.pages[page].texels;
+        let pipeline = renderer.pipelines.slices(&renderer.device, spec, texels, meeting)?;
+        draws.push(draw(&renderer.fans, pipeline, &bindings[page], begin..end));
+        begin = end;
     }
+    Ok(draws)
+}
 
-    fn draw(
-        &self,
-        renderer: &SliceRenderer,
-        pipeline: Arc<GraphicsPipeline>,
-        page: usize,
-        slices: Range<usize>,
-    ) -> Draw {
-        Draw {
-            pipeline,
-            bindings: Some(Arc::clone(&self.bindings[page])),
-            push: Push::NONE,
-            stream: None,
-            elements: Elements::Indices {
-                buffer: Arc::clone(&renderer.fans),
-                range: 0..(FAN.len() * slices.len()) as u32,
-                base_vertex: (MAX_VERTICES as usize * slices.start) as i32,
-            },
-            instances: 0..1,
-        }
+fn draw(fans: &Arc<Buffer>, pipeline: Arc<GraphicsPipeline>, bindings: &Arc<Bindings>, slices: Range<usize>) -> Draw {
+    Draw {
+        pipeline,
+        bindings: Some(Arc::clone(bindings)),
+        push: Push::NONE,
+        stream: None,
+        elements: Elements::Indices {
+            buffer: Arc::clone(fans),
+            range: 0..(FAN.len() * slices.len()) as u32,
+            base_vertex: (MAX_VERTICES as usize * slices.start) as i32,
+        },
+        instances: 0..1,
     }
 }

@@ -8,10 +8,11 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use super::pipelines::Pipelines;
 use super::slices::{SliceRenderer, TARGET_FORMAT};
 use crate::gpu::{
-    Binding, Bindings, Blend, DEPTH_FORMAT, DepthTarget, Device, Draw, Elements, Extent, GpuError, Image, ImageRole,
-    Load, Push, RenderPass, Target,
+    Binding, Bindings, Blend, DEPTH_FORMAT, DepthTarget, Device, Draw, Elements, Extent, GpuError, GraphicsPipeline,
+    Image, ImageRole, Load, Push, RenderPass, Target,
 };
 use crate::interface::RectData;
 use crate::projection::composite::Blending;
@@ -27,6 +28,22 @@ pub struct Layers {
     close: Option<Draw>,
 }
 
+/// The order that slices are drawn in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// From the farthest to the nearest.
+    FromBack,
+    /// From the nearest on, in bands between which pixels are closed.
+    InBands,
+}
+
+impl Order {
+    /// That of the slices of `plan`.
+    pub fn of(plan: &SlicePlan) -> Self {
+        if plan.is_cut() { Self::InBands } else { Self::FromBack }
+    }
+}
+
 /// How slices meet what is drawn already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Meeting {
@@ -37,11 +54,11 @@ pub struct Meeting {
 }
 
 impl Meeting {
-    /// Of the slices of `plan`, with or without depths to stop at.
-    pub fn new(spec: &FrameSpec, plan: &SlicePlan, layers: &Layers) -> Self {
+    /// Of slices that are drawn in bands or from back to front, with or without depths to stop at.
+    pub fn new(spec: &FrameSpec, layers: &Layers) -> Self {
         Self {
             blend: match spec.settings.mode.blending() {
-                Blending::Over if plan.is_cut() => Blend::Under,
+                Blending::Over if layers.close.is_some() => Blend::Under,
                 Blending::Over => Blend::Over,
                 Blending::Add => Blend::Add,
                 Blending::Max => Blend::Max,
@@ -52,11 +69,11 @@ impl Meeting {
 }
 
 impl Layers {
-    /// Images for a frame of `plan`, `width` by `height` pixels, among meshes of depths `meshes`.
+    /// Images for a frame of `width` by `height` pixels, in which pixels are closed if `order` says so, among meshes of depths `meshes`.
     pub fn new(
         renderer: &mut SliceRenderer,
         [width, height]: [u32; 2],
-        plan: &SlicePlan,
+        order: Order,
         meshes: Option<&Arc<Image>>,
     ) -> Result<Self, GpuError> {
         let device = Arc::clone(&renderer.device);
@@ -64,10 +81,13 @@ impl Layers {
         let accumulated = color(&device, "frame", extent)?;
         let depth = match meshes {
             Some(depth) => Some(Arc::clone(depth)),
-            None if plan.is_cut() => Some(depths(&device, extent)?),
+            None if order == Order::InBands => Some(depths(&device, extent)?),
             None => None,
         };
-        let close = plan.is_cut().then(|| close(renderer, &accumulated)).transpose()?;
+        let close = match order {
+            Order::InBands => Some(over_frame(renderer, &accumulated, Pipelines::close)?),
+            Order::FromBack => None,
+        };
         Ok(Self {
             accumulated,
             depth,
@@ -117,13 +137,19 @@ impl Layers {
     }
 }
 
-/// Closes pixels of a rectangle that `accumulated` hides all behind.
-fn close(renderer: &mut SliceRenderer, accumulated: &Arc<Image>) -> Result<Draw, GpuError> {
-    let entry = Binding::SampledImage(Arc::clone(accumulated), Arc::clone(&renderer.nearest));
+/// A rectangle, by default all, of the frame that looks at what is accumulated in `image` through a pipeline.
+pub fn over_frame(
+    renderer: &mut SliceRenderer,
+    image: &Arc<Image>,
+    pipeline: impl FnOnce(&mut Pipelines, &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError>,
+) -> Result<Draw, GpuError> {
+    let entry = Binding::SampledImage(Arc::clone(image), Arc::clone(&renderer.nearest));
     Ok(Draw {
-        bindings: Some(Bindings::new(&renderer.device, accumulated.label(), &[entry])?),
-        pipeline: renderer.pipelines.close(&renderer.device)?,
-        push: Push::NONE,
+        bindings: Some(Bindings::new(&renderer.device, image.label(), &[entry])?),
+        pipeline: pipeline(&mut renderer.pipelines, &renderer.device)?,
+        push: Push::of(&RectData {
+            ends: [0.0, 0.0, 1.0, 1.0],
+        }),
         stream: None,
         elements: Elements::Vertices(0..4),
         instances: 0..1,

@@ -6,13 +6,14 @@ use std::sync::Arc;
 
 use super::frame;
 use super::layers::Meeting;
+use super::look::TILE_FORMAT;
 use super::mesh_pieces::VERTEX_INPUT;
 use super::pages::Texels;
 use super::slices::TARGET_FORMAT;
 use crate::gpu::{BindingKind, Depth, Device, GpuError, GraphicsPipeline, PipelineDesc, Topology};
 use crate::interface::{MeshData, RectData};
 use crate::projection::{FrameSpec, Lens};
-use crate::shaders::{CLOSE_FRAG, CLOSE_VERT, MESH_FRAG, MESH_VERT, SLICES_FRAG, SLICES_VERT};
+use crate::shaders::{CLOSE_FRAG, CLOSE_VERT, MESH_FRAG, MESH_VERT, OPEN_FRAG, SLICES_FRAG, SLICES_VERT};
 
 /// What distinguishes one pipeline from another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,6 +47,7 @@ pub struct Pipelines {
     slices: HashMap<Variant, Arc<GraphicsPipeline>>,
     meshes: HashMap<MeshVariant, Arc<GraphicsPipeline>>,
     close: Option<Arc<GraphicsPipeline>>,
+    open: Option<Arc<GraphicsPipeline>>,
 }
 
 impl Pipelines {
@@ -68,13 +70,24 @@ impl Pipelines {
 
     /// The pipeline that closes pixels of a rectangle, with what is accumulated bound.
     pub fn close(&mut self, device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError> {
-        if let Some(pipeline) = &self.close {
-            return Ok(Arc::clone(pipeline));
-        }
-        let pipeline = close_pipeline(device)?;
-        self.close = Some(Arc::clone(&pipeline));
-        Ok(pipeline)
+        made_once(&mut self.close, || close_pipeline(device))
     }
+
+    /// The pipeline that tells which tiles are open, with what is accumulated bound.
+    pub fn open(&mut self, device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError> {
+        made_once(&mut self.open, || open_pipeline(device))
+    }
+}
+
+/// `pipeline`, created if it is the first time.
+fn made_once(
+    pipeline: &mut Option<Arc<GraphicsPipeline>>,
+    create: impl FnOnce() -> Result<Arc<GraphicsPipeline>, GpuError>,
+) -> Result<Arc<GraphicsPipeline>, GpuError> {
+    if let Some(pipeline) = pipeline {
+        return Ok(Arc::clone(pipeline));
+    }
+    Ok(Arc::clone(pipeline.insert(create()?)))
 }
 
 /// The pipeline under `key`, created if it is the first time.
@@ -168,6 +181,22 @@ fn close_pipeline(device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuErro
             vertex_spirv: CLOSE_VERT,
             fragment_spirv: CLOSE_FRAG,
             depth: Some(Depth::TestAndHold),
+            bindings: &[BindingKind::SampledImage],
+            push_bytes: size_of::<RectData>() as u32,
+            topology: Topology::TriangleStrip,
+            ..PipelineDesc::default()
+        },
+    )
+}
+
+fn open_pipeline(device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError> {
+    GraphicsPipeline::new(
+        device,
+        &PipelineDesc {
+            label: "open tiles",
+            vertex_spirv: CLOSE_VERT,
+            fragment_spirv: OPEN_FRAG,
+            color_targets: &[(TILE_FORMAT, None)],
             bindings: &[BindingKind::SampledImage],
             push_bytes: size_of::<RectData>() as u32,
             topology: Topology::TriangleStrip,

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::depths::DepthScale;
 use super::job::{self, Job, read_back};
+use super::layers::Order;
 use super::mesh::{ShownMesh, mesh_bounds};
 use super::pages::{FORMATS, PagedTarget};
 use super::pipelines::Pipelines;
@@ -14,8 +15,8 @@ use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler
 use crate::image::{Frame, Rgba};
 use crate::interface::TABLE_LEN;
 use crate::projection::{
-    Camera, DrawCost, FrameSpec, Horizon, Planes, ProjectError, Projector, Settings, SlicePlan, SoftNormals,
-    TransferTable, Visibility, VisibleValues,
+    Camera, DrawCost, FrameSpec, Planes, ProjectError, Projector, Remaining, Settings, ShownCells, SlicePlan,
+    SoftNormals, TransferTable, Visibility, VisibleValues,
 };
 use crate::projection::{bands, composite};
 use crate::surface::SurfaceView;
@@ -50,6 +51,41 @@ pub(super) struct Accumulated {
     pub samples: Frame,
     /// The meshes, if there are any.
     pub surfaces: Option<Frame>,
+}
+
+impl Accumulated {
+    /// The frame, premultiplied and without background.
+    fn resolve(&self, spec: &FrameSpec) -> Frame {
+        let mode = spec.settings.mode;
+        let projection = composite::resolve(mode, &self.samples, spec.target.value_range, spec.transfer);
+        match &self.surfaces {
+            Some(surfaces) => composite::over_surfaces(mode, &projection, surfaces),
+            None => projection,
+        }
+    }
+}
+
+/// A frame, and what was done for it.
+pub struct Drawn {
+    /// Premultiplied, without background.
+    pub frame: Frame,
+    /// What was drawn.
+    pub plan: SlicePlan,
+    /// What it took.
+    pub timings: Timings,
+}
+
+impl Drawn {
+    fn new(spec: &FrameSpec, accumulated: Accumulated, plan: SlicePlan, timings: Timings) -> Self {
+        let begin = Instant::now();
+        let frame = accumulated.resolve(spec);
+        let read_back = timings.read_back + begin.elapsed();
+        Self {
+            frame,
+            plan,
+            timings: Timings { read_back, ..timings },
+        }
+    }
 }
 
 /// Draws paged targets; keeps its pipelines between frames.
@@ -104,17 +140,36 @@ impl SliceRenderer {
         paged: &PagedTarget,
         meshes: &[ShownMesh],
     ) -> Result<(Frame, Timings), ProjectError> {
+        let drawn = self.draw_told(spec, paged, meshes)?;
+        Ok((drawn.frame, drawn.timings))
+    }
+
+    /// Likewise, and tells what was drawn. Where what is in front can hide what is behind, that is planned slab by slab, as the frame
+    /// is closed; see [`bands`].
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_told(
+        &mut self,
+        spec: &FrameSpec,
+        paged: &PagedTarget,
+        meshes: &[ShownMesh],
+    ) -> Result<Drawn, ProjectError> {
+        self.require_size(spec.camera)?;
+        spec.check()?;
+        if bands::can_hide(spec) {
+            let (accumulated, plan, timings) = self.sweep(spec, paged, meshes).map_err(device_error)?;
+            return Ok(Drawn::new(spec, accumulated, plan, timings));
+        }
         let begin = Instant::now();
         let plan = plan(spec, paged);
         let planned = begin.elapsed();
-        let (frame, timings) = self.draw_plan(spec, paged, &plan, meshes)?;
-        Ok((
-            frame,
-            Timings {
-                plan: planned,
-                ..timings
-            },
-        ))
+        let (accumulated, timings) = self.accumulate(spec, paged, &plan, meshes)?;
+        let plan_time = Timings {
+            plan: planned,
+            ..timings
+        };
+        Ok(Drawn::new(spec, accumulated, plan, plan_time))
     }
 
     /// Draws what `plan` says, right or wrong, of a target that is on the device.
@@ -130,12 +185,7 @@ impl SliceRenderer {
     ) -> Result<(Frame, Timings), ProjectError> {
         let (accumulated, timings) = self.accumulate(spec, paged, plan, meshes)?;
         let begin = Instant::now();
-        let mode = spec.settings.mode;
-        let projection = composite::resolve(mode, &accumulated.samples, spec.target.value_range, spec.transfer);
-        let frame = match accumulated.surfaces {
-            Some(surfaces) => composite::over_surfaces(mode, &projection, &surfaces),
-            None => projection,
-        };
+        let frame = accumulated.resolve(spec);
         let read_back = timings.read_back + begin.elapsed();
         Ok((frame, Timings { read_back, ..timings }))
     }
@@ -151,14 +201,12 @@ impl SliceRenderer {
         self.require_size(spec.camera)?;
         spec.check()?;
         let begin = Instant::now();
-        let job = Job::new(self, spec, paged, plan, meshes).map_err(device_error)?;
+        let mut job = Job::new(self, spec, meshes, Order::of(plan), plan).map_err(device_error)?;
+        job.add(self, spec, paged, plan).map_err(device_error)?;
         let prepared = Instant::now();
-        job.run(&self.device).map_err(device_error)?;
+        job.submissions.run(&self.device).map_err(device_error)?;
         let drawn = Instant::now();
-        let accumulated = Accumulated {
-            samples: job.accumulated(&self.device).map_err(device_error)?,
-            surfaces: job.surfaces(&self.device).map_err(device_error)?,
-        };
+        let accumulated = job.accumulated(&self.device).map_err(device_error)?;
         let timings = Timings {
             plan: Duration::ZERO,
             prepare: prepared - begin,
@@ -258,28 +306,33 @@ pub fn soft_normals(spec: &FrameSpec) -> Option<SoftNormals> {
     Some(SoftNormals::new(&spec.target.lattice, shading.soft_gradient))
 }
 
-/// What [`SliceRenderer::draw`] draws of a target: its visible boxes, back to front.
+/// All that shows of a target: its visible boxes back to front, or in bands if that pays, whatever hides them.
 pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
-    let planes = spec.planes();
-    let horizon = bands::can_hide(spec).then(|| Horizon::new(spec, &paged.cells));
-    bands::cut(plan_before(horizon.as_ref(), planes, spec, paged), spec)
+    bands::cut(plan_on(spec.planes(), spec, paged), spec)
 }
 
 /// What is drawn on `planes`, in one band.
 pub(super) fn plan_on(planes: Planes, spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
-    plan_before(None, planes, spec, paged)
-}
-
-/// What is drawn on `planes` that does not lie behind `horizon`, in one band.
-fn plan_before(horizon: Option<&Horizon>, planes: Planes, spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
-    let values = VisibleValues::in_frame(spec);
+    let shown = ShownCells::new(&paged.cells, &VisibleValues::in_frame(spec));
+    let lattice = &spec.target.lattice;
     let visibility = Visibility {
-        target: spec.target,
-        cells: &paged.cells,
-        values: &values,
-        min_cube: MIN_CUBE,
-        horizon,
-        cost: DrawCost::new(&spec.target.lattice, spec.camera, &planes),
+        cost: DrawCost::new(lattice, spec.camera, &planes),
+        ..visibility(spec, &shown, None)
     };
     SlicePlan::new(&visibility, spec.camera, planes)
+}
+
+/// What is drawn of a target of which such cells are shown.
+pub(super) fn visibility<'a>(
+    spec: &FrameSpec<'a>,
+    shown: &'a ShownCells,
+    remaining: Option<Remaining<'a>>,
+) -> Visibility<'a> {
+    Visibility {
+        target: spec.target,
+        shown,
+        min_cube: MIN_CUBE,
+        remaining,
+        cost: DrawCost::new(&spec.target.lattice, spec.camera, &spec.planes()),
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::gpu::{Device, GpuError, Recording, RenderPass};
+use crate::gpu::{Device, GpuError, Recording, RenderPass, Submission};
 
 /// Fragments of one submission, about: it ends within a second even on a processor.
 pub const SUBMISSION_FRAGMENTS: f64 = 5e7;
@@ -33,6 +33,12 @@ impl Submissions {
             self.fragments = fragments;
         }
         self.last().render(pass);
+    }
+
+    /// Hands over what there is so far, without waiting, and begins anew.
+    pub fn start(&mut self, device: &Arc<Device>) -> Result<Vec<Submission>, GpuError> {
+        let recordings = std::mem::take(self).recordings;
+        recordings.iter().map(|recording| device.submit(recording)).collect()
     }
 
     /// Does all of it.

@@ -11,6 +11,7 @@ mod device;
 #[path = "../laws/raycast/drawing.rs"]
 mod drawing;
 mod edits;
+mod hidden;
 mod inside;
 mod meshes;
 mod meshes_inside;
@@ -24,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Every law; each panics with what is wrong.
-const LAWS: [fn(); 23] = [
+const LAWS: [fn(); 24] = [
     blocks::one_block_or_many_the_picture_is_the_same,
     bound_widths::a_smooth_scene_has_narrow_bounds,
     comparators::a_shifted_pixel_is_out_of_bounds,
@@ -42,6 +43,7 @@ const LAWS: [fn(); 23] = [
     meshes_inside::slices_stop_at_meshes,
     meshes_inside::a_mesh_too_far_back_is_out_of_bounds,
     modes::the_same_scene_gives_the_same_bytes,
+    hidden::closed_tiles_are_passed_over,
     modes::what_is_hidden_may_be_left_out,
     modes::slices_agree_with_the_reference,
     modes::random_scenes_agree_with_the_reference,

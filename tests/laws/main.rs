@@ -6,9 +6,9 @@
 mod alike;
 mod bounds;
 mod edit;
-mod horizon;
 #[path = "../agreement_devices/inside.rs"]
 mod inside;
+mod open;
 mod order;
 mod path;
 mod picture;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::math::{Aabb, Viewpoint};
 use vcsg::model::Boundary;
-use vcsg::projection::{DrawCost, Visibility, VisibleBox, VisibleValues};
+use vcsg::projection::{DrawCost, ShownCells, Visibility, VisibleBox, VisibleValues};
 use vcsg::target::{Block, BlockVoxels, CellRanges, Layout, Target};
 
 use crate::support::parts::direction;
@@ -101,8 +101,8 @@ proptest! {
     ) {
         let target = scene.target(&subdivision);
         let cells = cells_of(&target);
-        let values = VisibleValues::all(target.value_range);
-        let visibility = Visibility { target: &target, cells: &cells, values: &values, min_cube, horizon: None, cost: DrawCost::VOXELS };
+        let shown = ShownCells::new(&cells, &VisibleValues::all(target.value_range));
+        let visibility = Visibility { target: &target, shown: &shown, min_cube, remaining: None, cost: DrawCost::VOXELS };
         let bounds = target.lattice.bounds();
         let viewpoint = in_lattice(viewpoint, &bounds);
         let boxes = boxes(&visibility.boxes_back_to_front(viewpoint));
@@ -115,13 +115,13 @@ fn two_swapped_boxes_are_seen() {
     let mut swaps = 0;
     for seed in 0..30 {
         let target = seeded(&scene(), seed).target(&seeded(&subdivision(Boundary::Exact), seed));
-        let (cells, values) = (cells_of(&target), VisibleValues::all(target.value_range));
+        let cells = cells_of(&target);
+        let shown = ShownCells::new(&cells, &VisibleValues::all(target.value_range));
         let visibility = Visibility {
             target: &target,
-            cells: &cells,
-            values: &values,
+            shown: &shown,
             min_cube: 8,
-            horizon: None,
+            remaining: None,
             cost: DrawCost::VOXELS,
         };
         let bounds = target.lattice.bounds();

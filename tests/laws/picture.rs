@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use vcsg::image::Frame;
 use vcsg::model::{Boundary, Tree};
-use vcsg::projection::{DrawCost, FrameSpec, Settings, Visibility, VisibleBox, VisibleValues, reference};
+use vcsg::projection::{DrawCost, FrameSpec, Settings, ShownCells, Visibility, VisibleBox, VisibleValues, reference};
 use vcsg::target::{OctreeNode, Subdivision, Target, VoxelTarget};
 
 use crate::order::cells_of;
@@ -52,14 +52,12 @@ impl Picture {
     /// The boxes that are drawn of `target`.
     fn boxes(&self, target: &Target) -> Vec<VisibleBox> {
         self.of(target, |spec| {
-            let values = VisibleValues::in_frame(spec);
             let cells = cells_of(target);
             let visibility = Visibility {
                 target,
-                cells: &cells,
-                values: &values,
+                shown: &ShownCells::new(&cells, &VisibleValues::in_frame(spec)),
                 min_cube: 8,
-                horizon: None,
+                remaining: None,
                 cost: DrawCost::VOXELS,
             };
             let lattice_from_world = target.lattice.world_from_lattice.inverse();

@@ -4,7 +4,11 @@ use glam::{DAffine3, DVec2, DVec3};
 use proptest::prelude::*;
 use vcsg::math::{Aabb, affine};
 use vcsg::model::Boundary;
-use vcsg::projection::{Camera, DrawCost, Planes, Slice, SlicePlan, Visibility, VisibleBox, VisibleValues, bands};
+use vcsg::projection::bands::{self, Sweep};
+use vcsg::projection::{
+    BoxView, Camera, DrawCost, OpenTiles, Planes, Planner, Remaining, ShownCells, Slice, SlicePlan, Visibility,
+    VisibleBox, VisibleValues,
+};
 use vcsg::target::Target;
 
 use crate::order::cells_of;
@@ -31,13 +35,12 @@ impl Planned {
     /// `None` where an edge lies too nearly along the planes for the tolerance to hold.
     fn new(target: &Target, camera: Camera, samples_per_voxel: f64) -> Option<Self> {
         let cells = cells_of(target);
-        let values = VisibleValues::all(target.value_range);
+        let shown = ShownCells::new(&cells, &VisibleValues::all(target.value_range));
         let visibility = Visibility {
             target,
-            cells: &cells,
-            values: &values,
+            shown: &shown,
             min_cube: 8,
-            horizon: None,
+            remaining: None,
             cost: DrawCost::VOXELS,
         };
         let planes = Planes::new(&target.lattice, &camera, samples_per_voxel);
@@ -54,6 +57,34 @@ impl Planned {
             camera,
             plan,
         })
+    }
+
+    /// The same frame planned slab by slab, all of it open.
+    fn in_slabs(&mut self, target: &Target) {
+        let cells = cells_of(target);
+        let shown = ShownCells::new(&cells, &VisibleValues::all(target.value_range));
+        let view = BoxView::new(&target.lattice, &self.camera);
+        let open = OpenTiles::all(self.camera.size);
+        let mut planner = Planner::new(&target.lattice, &self.camera, self.plan.planes);
+        self.plan = planner.empty();
+        let mut sweep = Sweep::new(&target.lattice, self.plan.planes, &view);
+        while let Some(depths_mm) = sweep.next(&open) {
+            let remaining = Remaining {
+                view: &view,
+                depths_mm,
+                open: &open,
+            };
+            let visibility = Visibility {
+                target,
+                shown: &shown,
+                min_cube: 8,
+                remaining: Some(remaining),
+                cost: DrawCost::VOXELS,
+            };
+            let mut slab = planner.plan(&visibility);
+            slab.slices.reverse();
+            self.plan.append(depths_mm[0], slab);
+        }
     }
 
     fn plane_of(&self, slice: &Slice) -> i64 {
@@ -281,6 +312,25 @@ proptest! {
         if let Some(planned) = Planned::new(&target, camera, samples_per_voxel) {
             prop_assert_eq!(planned.samples_are_covered_once(&planned.samples(&fractions)), Ok(()));
             prop_assert_eq!(planned.runs_from_far_to_near(), Ok(()));
+            prop_assert_eq!(planned.polygons_are_exact(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn plans_of_slabs_are_right(
+        scene in scene(),
+        subdivision in subdivision(Boundary::Exact),
+        eye in eye(),
+        fractions in fractions(),
+    ) {
+        let target = scene.target(&subdivision);
+        let camera = eye.camera(&target.lattice.world_bounds());
+        if let Some(mut planned) = Planned::new(&target, camera, 1.0) {
+            let samples = planned.samples(&fractions);
+            planned.in_slabs(&target);
+            prop_assert_eq!(planned.samples_are_covered_once(&samples), Ok(()));
+            prop_assert_eq!(planned.runs_from_near_to_far(), Ok(()));
+            prop_assert_eq!(planned.bands_are_seen_where_they_are(), Ok(()));
             prop_assert_eq!(planned.polygons_are_exact(), Ok(()));
         }
     }

@@ -5,7 +5,9 @@ use glam::DVec2;
 use super::template::Template;
 use super::voxels::CastTarget;
 use crate::math::affine;
-use crate::projection::{Camera, DrawCost, FrameSpec, Planes, Visibility, VisibleBox, VisibleValues, eye_from_lattice};
+use crate::projection::{
+    Camera, DrawCost, FrameSpec, Planes, ShownCells, Visibility, VisibleBox, VisibleValues, eye_from_lattice,
+};
 use crate::target::CELL;
 
 /// A box and where it is seen.
@@ -20,13 +22,11 @@ pub struct CastBox {
 
 /// The boxes of a frame that is sampled at `planes`, from front to back.
 pub fn front_to_back(spec: &FrameSpec, target: &CastTarget, planes: &Planes) -> Vec<CastBox> {
-    let values = VisibleValues::in_frame(spec);
     let visibility = Visibility {
         target: spec.target,
-        cells: &target.cells,
-        values: &values,
+        shown: &ShownCells::new(&target.cells, &VisibleValues::in_frame(spec)),
         min_cube: 2 * CELL,
-        horizon: None,
+        remaining: None,
         cost: DrawCost::of_rays(&spec.target.lattice, spec.camera, planes),
     };
     let lattice = &spec.target.lattice;

@@ -3,7 +3,7 @@
 //! The bounds are those that slices on a device are held to (`conformance`), for a device that is the ray caster: it puts rays
 //! where they are in double precision and goes on from there in single precision, among voxels of 16 bits.
 
-use vcsg::conformance::{Drawing, Precision, Storage};
+use vcsg::conformance::{Drawing, DrawnBox, Precision, Storage};
 use vcsg::projection::FrameSpec;
 
 /// A step of single precision at 1; a rounding is off by half of it.
@@ -12,7 +12,10 @@ const ULP: f64 = f32::EPSILON as f64;
 /// How the ray caster computes the frame of `spec`.
 pub fn drawing(spec: &FrameSpec) -> Drawing {
     Drawing {
-        boxes: vec![spec.target.lattice.bounds()],
+        boxes: vec![DrawnBox {
+            bounds: spec.target.lattice.bounds(),
+            depths_mm: [f64::NEG_INFINITY, f64::INFINITY],
+        }],
         storage: Storage::without_pages(spec.target.value_range),
         precision: Precision {
             vertex_px: 0.0,
