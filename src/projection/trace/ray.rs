@@ -85,6 +85,19 @@ impl Line {
         self.origin + self.step * mm
     }
 
+    /// Where it leaves a box that it goes through: [`Self::stretch`]'s end, for half of the work.
+    pub fn leave(&self, low: DVec3, high: DVec3) -> f64 {
+        let mut leave = f64::INFINITY;
+        for axis in 0..3 {
+            let (o, d) = (self.origin[axis], self.step[axis]);
+            if d != 0.0 {
+                let face = if d > 0.0 { high[axis] } else { low[axis] };
+                leave = leave.min((face - o) / d);
+            }
+        }
+        leave
+    }
+
     /// The stretch inside a box, as the places where it enters and leaves, and the axis of the face that it enters by; leaves before
     /// it enters where it misses the box.
     pub fn stretch(&self, low: DVec3, high: DVec3) -> Stretch {

@@ -69,16 +69,6 @@ impl Level {
         self.lattice.spacing_mm().max_element()
     }
 
-    /// The sample at a place of the world. Beyond the lattice its outermost voxels go on.
-    pub fn sample(&self, world: DVec3) -> Sample {
-        let centres = self.lattice.centres();
-        let at = affine::point(&self.lattice_from_world, world).clamp(centres.min, centres.max);
-        match self.leaf(at).node {
-            OctreeNode::Block(block) => self.blocks[block as usize].sample(at),
-            _ => Sample::default(),
-        }
-    }
-
     /// Whether a place of the world is in the lattice's box.
     pub fn holds(&self, world: DVec3) -> bool {
         let at = affine::point(&self.lattice_from_world, world);
@@ -97,9 +87,13 @@ impl Level {
         self.lattice_from_world.matrix3.transpose() * DVec3::from_array(differences)
     }
 
-    fn leaf(&self, at: DVec3) -> Leaf {
+    /// The voxel that holds a place of the lattice, or is nearest to one beyond it.
+    fn voxel(&self, at: DVec3) -> [i64; 3] {
         let dims = self.lattice.dims;
-        let voxel: [i64; 3] = std::array::from_fn(|a| ((at[a] + 0.5) as i64).clamp(0, dims[a] as i64 - 1));
+        std::array::from_fn(|a| ((at[a] + 0.5) as i64).clamp(0, dims[a] as i64 - 1))
+    }
+
+    fn leaf(&self, voxel: [i64; 3]) -> Leaf {
         let mut cube = self.octree.root;
         let mut node = self.octree.nodes[0];
         while let OctreeNode::Split(first) = node {
@@ -116,6 +110,42 @@ impl Level {
 struct Leaf {
     cube: Cube,
     node: OctreeNode,
+}
+
+impl Leaf {
+    fn holds(&self, voxel: [i64; 3]) -> bool {
+        let Cube { origin, size } = self.cube;
+        (0..3).all(|a| (0..size as i64).contains(&(voxel[a] - origin[a])))
+    }
+}
+
+/// Samples at places of the world that are near to each other: a leaf is looked up when they leave the one before.
+pub struct Nearby<'a> {
+    level: &'a Level,
+    leaf: Option<Leaf>,
+}
+
+impl<'a> Nearby<'a> {
+    /// Those of `level`.
+    pub fn new(level: &'a Level) -> Self {
+        Self { level, leaf: None }
+    }
+
+    /// The sample at a place of the world. Beyond the lattice its outermost voxels go on.
+    pub fn sample(&mut self, world: DVec3) -> Sample {
+        let level = self.level;
+        let centres = level.lattice.centres();
+        let at = affine::point(&level.lattice_from_world, world).clamp(centres.min, centres.max);
+        let voxel = level.voxel(at);
+        let leaf = match self.leaf {
+            Some(leaf) if leaf.holds(voxel) => leaf,
+            _ => *self.leaf.insert(level.leaf(voxel)),
+        };
+        match leaf.node {
+            OctreeNode::Block(block) => level.blocks[block as usize].sample(at),
+            _ => Sample::default(),
+        }
+    }
 }
 
 impl LevelBlock {
@@ -163,32 +193,40 @@ impl LevelBlock {
             };
         }
         let dims = self.voxels.dims;
-        let base = at.floor();
-        let t = (at - base).to_array();
+        let base = at.to_array().map(floor);
+        let t = std::array::from_fn(|a| at[a] - base[a] as f64);
         let corner: [usize; 3] = std::array::from_fn(|a| {
-            let stored = base[a] as i64 + 1 - self.origin[a] as i64;
+            let stored = base[a] + 1 - self.origin[a] as i64;
             stored.clamp(0, dims[a] as i64 - 2) as usize
         });
         let first = corner[0] + dims[0] * (corner[1] + dims[1] * corner[2]);
-        let strides = [1, dims[0], dims[0] * dims[1]];
-        let mix = |numbers: &[f32]| trilinear(|n| numbers[n], first, strides, t);
+        let strides = [dims[0], dims[0] * dims[1]];
+        let mix = |numbers: &[f32]| trilinear(|n| [numbers[n], numbers[n + 1]], first, strides, t);
         let voxels = &self.voxels;
         Sample {
             premultiplied: mix(&voxels.premultiplied),
             coverage: voxels.coverage.as_ref().map_or(1.0, |coverage| mix(coverage)),
             rgb: voxels.rgb().map_or([0.0; 3], |rgb| {
-                [0, 1, 2].map(|c| trilinear(|n| rgb[n][c], first, strides, t))
+                [0, 1, 2].map(|c| trilinear(|n| [rgb[n][c], rgb[n + 1][c]], first, strides, t))
             }),
         }
     }
 }
 
+/// The whole number at or below `x`; without a call, as which processors without SSE 4.1 have it.
 #[inline]
-fn trilinear(number: impl Fn(usize) -> f32, first: usize, [x, y, z]: [usize; 3], t: [f64; 3]) -> f64 {
-    let lerp = |a: f64, b: f64, t: f64| a + t * (b - a);
-    let along_x = |n: usize| lerp(f64::from(number(n)), f64::from(number(n + x)), t[0]);
-    let in_plane = |n: usize| lerp(along_x(n), along_x(n + y), t[1]);
-    lerp(in_plane(first), in_plane(first + z), t[2])
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(towards_zero as f64 > x)
+}
+
+/// Between eight numbers: `pair` gives one and the next along x, and the others are `y` and `z` further on.
+#[inline]
+fn trilinear(pair: impl Fn(usize) -> [f32; 2], first: usize, [y, z]: [usize; 2], t: [f64; 3]) -> f64 {
+    let lerp = |[a, b]: [f64; 2], t: f64| a + t * (b - a);
+    let rows = [first, first + y, first + z, first + y + z];
+    let [a, b, c, d] = rows.map(|n| lerp(pair(n).map(f64::from), t[0]));
+    lerp([lerp([a, b], t[1]), lerp([c, d], t[1])], t[2])
 }
 
 /// The ranges of covered values and of coverages that samples in a cell can have: those of its voxels and one more on each side.
@@ -305,7 +343,7 @@ impl<'a> Walk<'a> {
             }
             _ => (quest == Quest::Exit, leaf.1),
         };
-        let end = self.line.stretch(low, high).leave.min(self.leave);
+        let end = self.line.leave(low, high).min(self.leave);
         // Rounding must not keep a ray where it is.
         let least = (mm + 1e-6 * self.half_voxel()).max(mm.next_up());
         Region {
@@ -331,7 +369,7 @@ impl<'a> Walk<'a> {
         match self.leaf {
             Some(known) if at.cmpge(known.1[0]).all() && at.cmple(known.1[1]).all() => known,
             _ => {
-                let leaf = self.level.leaf(at);
+                let leaf = self.level.leaf(self.level.voxel(at));
                 let low = DVec3::from_array(leaf.cube.origin.map(|n| n as f64)) - 0.5;
                 let known = (leaf, [low, low + leaf.cube.size as f64]);
                 self.leaf = Some(known);
