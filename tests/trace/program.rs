@@ -1,6 +1,7 @@
 //! `vcsg render` with rays that are traced, from outside.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -64,6 +65,8 @@ fn what_does_not_go_together_is_refused() {
     let ball = "scene { sphere radius=5 }\n";
     assert!(refused(SCENE, &["--renderer", "raycast"]).contains("--renderer trace"));
     assert!(refused(ball, &["--renderer", "raycast", "--samples", "4"]).contains("--renderer trace"));
+    assert!(refused(ball, &["--progressive", "--renderer", "raycast"]).contains("--renderer trace"));
+    assert!(refused(SCENE, &["--progressive", "--frames", "0..1"]).contains("--frames"));
     assert!(refused(SCENE, &["--mode", "mip"]).contains("cannot be traced"));
     assert!(refused(SCENE, &["--surface", "1"]).contains("surfaces are drawn beside slices and cast rays"));
     assert!(refused(SCENE, &["--samples", "0"]).contains("samples"));
@@ -103,4 +106,52 @@ fn frames_of_an_animation_are_traced() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let [first, second] = ["f0.png", "f1.png"].map(|name| image::open(folder.path().join(name)).expect("a frame"));
     assert_ne!(first, second);
+}
+
+/// What `--progressive` writes, through a pipe, which has all of it: pictures of one, two and three samples, each whole, the last one that
+/// without the option.
+#[test]
+fn a_picture_is_written_after_each_sample() {
+    let folder: TempDir = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("a.png");
+    let mut pictures = Vec::new();
+    for samples in ["1", "2", "3"] {
+        assert!(run(folder.path(), SCENE, &["--samples", samples]).status.success());
+        pictures.extend(fs::read(&picture).expect("a picture"));
+    }
+    let last = fs::read(&picture).expect("the last picture");
+    assert!(
+        run(folder.path(), SCENE, &["--samples", "3", "--progressive"])
+            .status
+            .success()
+    );
+    assert!(fs::read(&picture).expect("a picture") == last);
+    let mut files: Vec<_> = fs::read_dir(folder.path())
+        .expect("the folder")
+        .map(|f| f.expect("a file").file_name())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["a.png", "scene.kdl"], "something was left behind");
+
+    fs::remove_file(&picture).expect("removed");
+    assert!(Command::new("mkfifo").arg(&picture).status().expect("mkfifo").success());
+    // While this end is open the pipe has not ended, whoever closes its other end between two pictures.
+    let hold = fs::File::options()
+        .read(true)
+        .write(true)
+        .open(&picture)
+        .expect("a pipe");
+    let mut pipe = fs::File::open(&picture).expect("a pipe");
+    let drawing = std::thread::spawn({
+        let folder = folder.path().to_owned();
+        move || {
+            let output = run(&folder, SCENE, &["--samples", "3", "--progressive"]);
+            drop(hold);
+            output
+        }
+    });
+    let mut written = Vec::new();
+    pipe.read_to_end(&mut written).expect("what is written");
+    assert!(drawing.join().expect("a run").status.success());
+    assert!(written == pictures, "{} bytes for {}", written.len(), pictures.len());
 }
