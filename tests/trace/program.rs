@@ -155,3 +155,38 @@ fn a_picture_is_written_after_each_sample() {
     assert!(drawing.join().expect("a run").status.success());
     assert!(written == pictures, "{} bytes for {}", written.len(), pictures.len());
 }
+
+/// What cannot be is told alike whichever of both casts rays: where it stands, and what there can be.
+#[test]
+fn bad_input_is_refused_by_both_kinds_of_rays() {
+    let ball = "scene spacing=1 { sphere radius=5 }\n";
+    for renderer in ["raycast", "trace"] {
+        let told = |line: &str, options: &[&str]| {
+            let options = [&["--renderer", renderer], options].concat();
+            // Long lines are broken, wherever.
+            let told = refused(&format!("{ball}{line}\n"), &options);
+            told.split_whitespace()
+                .filter(|word| *word != "│")
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        assert!(told("", &["--size", "0x5"]).contains("each side in 1..16384"));
+        assert!(told("", &["--size", "5x40000"]).contains("each side in 1..16384"));
+        assert!(told("", &["--depth", "65"]).contains("0..=64"));
+        for (line, says) in [
+            ("render size=\"5x0\"", "each side in 1..16384"),
+            ("light towards=\"0 0 0\"", "not of length 0"),
+            ("light towards=\"0 0 -1\" intensity=-1", "must be in 0..10"),
+            ("light at=\"0 0 9\" u=\"1 0 0\" v=\"3 0 0\"", "span no area"),
+            ("optics transmit=1 index=0", "must be in 0.1..10"),
+            ("optics transmit=1 index=-1.5", "must be in 0.1..10"),
+            ("trace depth=65", "must be a whole number in 0..64"),
+        ] {
+            let told = told(line, &[]);
+            assert!(
+                told.contains(says) && told.contains("scene.kdl:2:"),
+                "{renderer}, {line}: {told}"
+            );
+        }
+    }
+}
