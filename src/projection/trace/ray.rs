@@ -139,3 +139,21 @@ pub struct Stretch {
     /// The axes of the faces that it enters and leaves by.
     pub axes: [usize; 2],
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_leaves_where_its_stretch_ends() {
+        let [low, high] = [DVec3::new(-1.0, 2.0, 0.0), DVec3::new(3.0, 5.0, 0.5)];
+        for n in 0..343u32 {
+            let step = DVec3::from_array([n % 7, n / 7 % 7, n / 49].map(|k| f64::from(k) / 3.0 - 1.0));
+            let line = Line {
+                origin: DVec3::new(0.3, 4.1, 0.2) - 2.0 * step,
+                step,
+            };
+            assert_eq!(line.leave(low, high), line.stretch(low, high).leave, "{step}");
+        }
+    }
+}

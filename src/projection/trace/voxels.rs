@@ -221,12 +221,17 @@ fn floor(x: f64) -> i64 {
 }
 
 /// Between eight numbers: `pair` gives one and the next along x, and the others are `y` and `z` further on.
-#[inline]
+#[inline(always)]
 fn trilinear(pair: impl Fn(usize) -> [f32; 2], first: usize, [y, z]: [usize; 2], t: [f64; 3]) -> f64 {
-    let lerp = |[a, b]: [f64; 2], t: f64| a + t * (b - a);
-    let rows = [first, first + y, first + z, first + y + z];
-    let [a, b, c, d] = rows.map(|n| lerp(pair(n).map(f64::from), t[0]));
-    lerp([lerp([a, b], t[1]), lerp([c, d], t[1])], t[2])
+    let along_x = |[a, b]: [f32; 2]| lerp(f64::from(a), f64::from(b), t[0]);
+    let near = lerp(along_x(pair(first)), along_x(pair(first + y)), t[1]);
+    let far = lerp(along_x(pair(first + z)), along_x(pair(first + y + z)), t[1]);
+    lerp(near, far, t[2])
+}
+
+#[inline(always)]
+fn lerp(a: f64, b: f64, t: f64) -> f64 {
+    a + t * (b - a)
 }
 
 /// The ranges of covered values and of coverages that samples in a cell can have: those of its voxels and one more on each side.
@@ -334,14 +339,14 @@ impl<'a> Walk<'a> {
             };
         }
         let at = self.line.at(mm);
-        let leaf = self.leaf_at(at);
-        let (worthwhile, [low, high]) = match leaf.0.node {
+        let (leaf, bounds) = *self.leaf_at(at);
+        let (worthwhile, [low, high]) = match leaf.node {
             OctreeNode::Block(block) => {
                 let block = &self.level.blocks[block as usize];
                 let (found, bounds) = block.cell(at);
                 (found & quest as u8 != 0, bounds)
             }
-            _ => (quest == Quest::Exit, leaf.1),
+            _ => (quest == Quest::Exit, bounds),
         };
         let end = self.line.leave(low, high).min(self.leave);
         // Rounding must not keep a ray where it is.
@@ -365,17 +370,14 @@ impl<'a> Walk<'a> {
     }
 
     /// The leaf that holds a place of the lattice, and its box.
-    fn leaf_at(&mut self, at: DVec3) -> (Leaf, [DVec3; 2]) {
-        match self.leaf {
-            Some(known) if at.cmpge(known.1[0]).all() && at.cmple(known.1[1]).all() => known,
-            _ => {
-                let leaf = self.level.leaf(self.level.voxel(at));
-                let low = DVec3::from_array(leaf.cube.origin.map(|n| n as f64)) - 0.5;
-                let known = (leaf, [low, low + leaf.cube.size as f64]);
-                self.leaf = Some(known);
-                known
-            }
-        }
+    fn leaf_at(&mut self, at: DVec3) -> &(Leaf, [DVec3; 2]) {
+        let left = |(_, [low, high]): &mut (Leaf, [DVec3; 2])| !(at.cmpge(*low).all() && at.cmple(*high).all());
+        self.leaf.take_if(left);
+        self.leaf.get_or_insert_with(|| {
+            let leaf = self.level.leaf(self.level.voxel(at));
+            let low = DVec3::from_array(leaf.cube.origin.map(|n| n as f64)) - 0.5;
+            (leaf, [low, low + leaf.cube.size as f64])
+        })
     }
 }
 
@@ -390,5 +392,66 @@ impl LevelBlock {
         let low = origin + DVec3::from_array(cell.map(|n| (n * CELL) as f64));
         let found = self.cells.found[cell[0] + self.cells.dims[0] * (cell[1] + self.cells.dims[1] * cell[2])];
         (found, [low, low + CELL as f64])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{ControlPoint, TransferFunction};
+    use crate::scene::{NoVolumes, Scene};
+    use crate::target::Subdivision;
+
+    fn level() -> Level {
+        let text = "scene { sphere radius=9; box min=\"3 2 1\" max=\"30 11 8\" value=3 }";
+        let scene = Scene::parse("t.kdl", text, ".".as_ref(), &mut NoVolumes).expect("a scene");
+        let subdivision = Subdivision {
+            min_block: 8,
+            max_block: 8,
+            ..Subdivision::default()
+        };
+        let target = Target::build(&scene.model, Some(1.0), &subdivision).expect("a target");
+        let point = ControlPoint {
+            value: 0.0,
+            color: [1.0; 3],
+            opacity: 1.0,
+        };
+        let transfer = TransferFunction::new(vec![point], 1.0).expect("a transfer function");
+        Level::new(&target, &Classifier::new(&target, &transfer))
+    }
+
+    /// From place to place, near and far, on the faces of blocks and beyond the lattice: what a look-up of its own gives, bit for bit.
+    #[test]
+    fn nearby_samples_are_those_of_a_look_up_each() {
+        let level = level();
+        let mut nearby = Nearby::new(&level);
+        let mut found = 0;
+        let mut state = 1u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f64 / f64::from(1 << 24)
+        };
+        let mut about = DVec3::ZERO;
+        for n in 0..60_000 {
+            if n % 27 == 0 {
+                about = DVec3::new(random(), random(), random()) * DVec3::new(45.0, 26.0, 22.0) - 12.0;
+            }
+            let at = about + 3.0 * DVec3::new(random(), random(), random());
+            // Every other one on a voxel's face.
+            let world = if n % 2 == 0 { at } else { (2.0 * at).floor() * 0.5 };
+            let sample = nearby.sample(world);
+            found += usize::from(sample.coverage > 0.0);
+            assert_eq!(sample, Nearby::new(&level).sample(world), "{world}");
+        }
+        assert!(found > 1000, "{found}");
+    }
+
+    #[test]
+    fn whole_numbers_are_at_or_below() {
+        for x in [-2.5, -2.0, -0.5, -1e-300, 0.0, 0.7, 1.0, 1.0f64.next_down(), 3e9 + 0.5] {
+            assert_eq!(floor(x), x.floor() as i64, "{x}");
+        }
     }
 }
