@@ -398,19 +398,23 @@ impl LevelBlock {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{ControlPoint, TransferFunction};
-    use crate::scene::{NoVolumes, Scene};
+    use crate::model::{ControlPoint, Model, Node, TransferFunction};
     use crate::target::Subdivision;
+    use crate::voxelize::{Primitive, Solid};
 
     fn level() -> Level {
-        let text = "scene { sphere radius=9; box min=\"3 2 1\" max=\"30 11 8\" value=3 }";
-        let scene = Scene::parse("t.kdl", text, ".".as_ref(), &mut NoVolumes).expect("a scene");
+        let ball = Solid::Sphere {
+            center: DVec3::new(0.3, 0.2, 0.1),
+            radius: 12.0,
+        };
+        let mut model = Model::default();
+        model.push(Node::Primitive(Primitive::crisp(ball, 1.0)));
         let subdivision = Subdivision {
             min_block: 8,
             max_block: 8,
             ..Subdivision::default()
         };
-        let target = Target::build(&scene.model, Some(1.0), &subdivision).expect("a target");
+        let target = Target::build(&model, Some(1.0), &subdivision).expect("a target");
         let point = ControlPoint {
             value: 0.0,
             color: [1.0; 3],
@@ -436,7 +440,7 @@ mod tests {
         let mut about = DVec3::ZERO;
         for n in 0..60_000 {
             if n % 27 == 0 {
-                about = DVec3::new(random(), random(), random()) * DVec3::new(45.0, 26.0, 22.0) - 12.0;
+                about = DVec3::new(random(), random(), random()) * 30.0 - 16.5;
             }
             let at = about + 3.0 * DVec3::new(random(), random(), random());
             // Every other one on a voxel's face.
