@@ -32,7 +32,7 @@ impl VolumeLoader for Scanner {
         let value = |n: usize| {
             let index = [n % VOXELS, n / VOXELS % VOXELS, n / (VOXELS * VOXELS)].map(|i| i as f64);
             let depth = RADIUS - affine::point(&world_from_index, DVec3::from_array(index)).length();
-            (100.0 + 50.0 * depth).clamp(0.0, 200.0) as f32
+            (100.0 + 25.0 * depth).clamp(0.0, 200.0) as f32
         };
         let values = (0..VOXELS.pow(3)).map(value).collect();
         let grid = Grid::new([VOXELS; 3], world_from_index, Voxels::F32(values)).map_err(|e| e.to_string())?;
@@ -157,12 +157,16 @@ fn a_lens_of_scan_and_plane_shows_an_edge_where_snell_has_it() {
         let bright = |n: &usize| mm(*n).abs() < 14.0 && frame.pixels()[*n][0] > 0.45;
         let first = (0..PIXELS as usize).find(bright).expect("the white half");
         let seen_at = behind_the_lens(mm(first), index, DEPTH);
-        // At the convex side the normal may be off by 0.7 degrees and the ball by 0.05 mm, at the flat one by 0.35 degrees
-        // (`closed_forms`, `projection/slopes`). A normal turned by ε turns a ray by (n − 1) ε, at these angles by at most twice that; from
-        // there it is RADIUS, and then DEPTH at n times the slope, to the screen. A surface is met within 0.05 mm, a pixel is 1/8 mm.
-        let convex = 0.7f64.to_radians() * (RADIUS + index * DEPTH);
-        let flat = 0.35f64.to_radians() * DEPTH;
-        let within = 2.0 * (index - 1.0) * (convex + flat) + 2.0 * 0.05 + 0.125;
+        // Heights are the distance r from the middle here, whose third derivatives are at most 1.16/r². Of them smoothed half differences are
+        // off by 1/6 along and 2/6 across, and between voxels by 3/8 more, along each of three axes; a plane's normal is off by 0.35
+        // degrees at most (`projection/slopes`).
+        let [convex, flat] = [3f64.sqrt() * 0.875 * 1.16 / 19.0f64.powi(2), 0.35f64.to_radians()];
+        // For rays up to 14 mm off the axis Snell's law turns by 0.46 of what the convex normal is turned, over 22 mm to the flat side, and
+        // 1.6 times as much behind it, over 12.2/10 of the depth; and by 0.6 of what the flat one is turned.
+        let behind = 1.22 * DEPTH;
+        let turned = convex * 0.46 * (22.0 + 1.6 * behind) + flat * 0.6 * behind;
+        // Surfaces are met within 0.05 mm (`closed_forms`), a pixel is 1/8 mm and moves half of that on the screen.
+        let within = turned + 2.0 * 0.05 + 0.0625;
         println!("an edge at {edge} is seen at {seen_at:.3}, within {within:.3}");
         assert!((seen_at - edge).abs() < within, "{seen_at} of {edge}, within {within}");
     }
