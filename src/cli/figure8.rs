@@ -54,13 +54,14 @@ pub(super) fn measure(picture: Option<&Path>) -> Result<Errors, CliError> {
     for n in 0..PIXELS * PIXELS {
         let pixel = [n % PIXELS, n / PIXELS].map(|at| f64::from(at) + 0.5);
         let ray = Ray::of_pixel(&camera, pixel, 0.0);
-        let Some(met) = surface::next(&mut object.probe(&ray), &ray, false, 0.0, f64::INFINITY) else {
+        let mut probe = object.probe(&ray);
+        let Some(met) = surface::next(&mut probe, false, 0.0, f64::INFINITY) else {
             continue;
         };
         let truth = Truth::nearest(ray.at(met.at_mm));
         let off = [
             truth.distance.abs(),
-            met.normal.angle_between(truth.normal).to_degrees(),
+            met.normal(&probe, &ray).angle_between(truth.normal).to_degrees(),
         ];
         if met.is_full() {
             errors.add(off, truth.is_smooth);

@@ -16,6 +16,7 @@ use super::surfaces::Surface;
 use super::trace::{self, TraceArgs};
 use crate::gpu::{DeviceSelector, Validation};
 use crate::image::{FileFormat, Frame, save};
+use crate::projection::trace::Progressive;
 use crate::projection::{Camera, FrameSpec};
 use crate::scene::Scene;
 use crate::target::Target;
@@ -29,7 +30,7 @@ use crate::target::Target;
   vcsg render head.nii.gz -o skin.png --surface 60
   vcsg render mra.nii.gz -o mip.exr --mode mip --perspective 30
   vcsg render scene.kdl -o cast.png --renderer raycast
-  vcsg render mirror.kdl -o traced.png --renderer trace --samples 16
+  vcsg render mirror.kdl -o traced.png --renderer trace --samples 16 --progressive
   vcsg render scene.kdl -o truth.png --renderer reference --size 320x240
   vcsg render scene.kdl -o frame-%04d.png --frames 0..119 --video scene.mp4")]
 pub(super) struct Render {
@@ -90,7 +91,13 @@ impl Render {
         let size = scene.frame_size.unwrap_or(DEFAULT_SIZE);
         let camera = scene.view.camera(&model_bounds(&scene), size);
         let (frame, shown) = match &mut renderer {
-            Renderer::Tracer(sampling) => trace::draw(&scene, &camera, *sampling, &mut stages)?,
+            Renderer::Tracer(sampling) => {
+                let between = &mut |passes: &Progressive| match self.tracing.progressive {
+                    true => self.write(&over_background(passes.frame(), &scene)),
+                    false => Ok(()),
+                };
+                trace::draw(&scene, &camera, *sampling, &mut stages, between)?
+            }
             renderer if scene.target.levels > 1 => {
                 let (frame, zones) = levels::draw(&scene, &camera, renderer, &mut stages)?;
                 (frame, levels::description(&zones))
@@ -98,7 +105,7 @@ impl Render {
             renderer => draw(&scene, &camera, renderer, &mut stages)?,
         };
         let frame = over_background(frame, &scene);
-        stages.time("write", || save(&frame, &self.output, &[("Software", "vcsg")]))?;
+        stages.time("write", || self.write(&frame))?;
         if self.timings {
             stages.show();
         }
@@ -107,6 +114,11 @@ impl Render {
         } else {
             Ok(())
         }
+    }
+
+    /// Writes the picture, whole or not at all.
+    fn write(&self, frame: &Frame) -> Result<(), CliError> {
+        Ok(save(frame, &self.output, &[("Software", "vcsg")])?)
     }
 
     /// What draws `scene`.
@@ -140,7 +152,7 @@ impl Render {
             false if scene.trace.is_needed() => {
                 "the scene has objects, optics or lights that only tracing shows: take --renderer trace"
             }
-            false if self.tracing.given() => "--samples, --depth and --seed go with --renderer trace",
+            false if self.tracing.given() => "--samples, --depth, --seed and --progressive go with --renderer trace",
             _ => return Ok(()),
         };
         Err(CliError::Usage(why.into()))

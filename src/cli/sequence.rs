@@ -66,7 +66,7 @@ impl<'a> Sequence<'a> {
         let size = scene.frame_size.unwrap_or(DEFAULT_SIZE);
         let camera = scene.view.camera(&self.shared.bounds, size);
         let frame = if let Renderer::Tracer(sampling) = &self.renderer {
-            trace::draw(&scene, &camera, *sampling, stages)?.0
+            trace::draw(&scene, &camera, *sampling, stages, &mut |_| Ok(()))?.0
         } else if scene.target.levels > 1 {
             levels::draw(&scene, &camera, &mut self.renderer, stages)?.0
         } else {

@@ -25,12 +25,16 @@ pub(super) struct TraceArgs {
     /// What random numbers depend on
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// Write the picture after each sample of its pixels, so that a viewer shows it getting better; what is there is always a
+    /// whole picture, and the last one is that without this option
+    #[arg(long, conflicts_with = "frames")]
+    pub progressive: bool,
 }
 
 impl TraceArgs {
     /// Whether anything was given.
     pub fn given(&self) -> bool {
-        self.samples.is_some() || self.depth.is_some() || self.seed.is_some()
+        self.samples.is_some() || self.depth.is_some() || self.seed.is_some() || self.progressive
     }
 
     /// What was given, in place of what `scene` says.
@@ -43,23 +47,25 @@ impl TraceArgs {
     }
 }
 
-/// The frame of `scene` that `camera` sees, and what it is made of, for `--json`.
+/// The frame of `scene` that `camera` sees, and what it is made of, for `--json`; `between` passes it sees what there is.
 pub(super) fn draw(
     scene: &Scene,
     camera: &Camera,
     sampling: Sampling,
     stages: &mut Stages,
+    between: &mut dyn FnMut(&Progressive) -> Result<(), CliError>,
 ) -> Result<(Frame, serde_json::Value), CliError> {
     let mut lattices = Vec::new();
     let world = stages.time("reconstruct", || world(scene, camera, &mut lattices))?;
     let mut progressive = Progressive::new(&world, camera, sampling)?;
     let pixels = camera.size.map(u64::from).iter().product::<u64>();
     let bar = progress("trace", pixels * u64::from(sampling.samples));
-    stages.time("trace", || {
-        for _ in 0..sampling.samples {
-            progressive.pass(&|n| bar.inc(n));
+    for pass in 1..=sampling.samples {
+        stages.time("trace", || progressive.pass(&|n| bar.inc(n)));
+        if pass < sampling.samples {
+            between(&progressive)?;
         }
-    });
+    }
     bar.finish_and_clear();
     let shown = json!({ "objects": lattices, "samples": sampling.samples, "depth": sampling.bounds.depth });
     Ok((progressive.frame(), shown))

@@ -3,6 +3,7 @@
 
 mod closed_forms;
 mod energy;
+mod glass;
 mod language;
 mod levels;
 mod pictures;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use vcsg::image::Frame;
 use vcsg::projection::trace::{Bounds, Object, Optics, Progressive, Sampling, Source, World, draw};
-use vcsg::projection::{Lens, ProjectError};
+use vcsg::projection::{Lens, Light, ProjectError, Settings, Shading};
 use vcsg::target::Subdivision;
 
 use crate::world::{along_z, even, glass, medium, mirror, picture, solid, target_of, world};
@@ -211,4 +211,60 @@ fn deeper_rays_matter_less() {
         steps[1] > 0.01 && steps[3] < 0.02 * steps[1] && steps[4] <= steps[3],
         "{steps:?}"
     );
+}
+
+/// Points in glass, on a surface, where the eye's rays meet it, areas small and vast, lights of no strength: every pixel is a finite colour.
+#[test]
+fn lights_in_odd_places_give_something_defined() {
+    let objects = || {
+        vec![
+            solid("box min=\"-30 -30 16\" max=\"30 30 22\"", Optics::default()),
+            solid("sphere radius=9", glass(1.5)),
+            medium("sphere radius=5 center=\"14 0 0\"", [1.0; 3], 0.3),
+        ]
+    };
+    let point = |x, y, z| Source::point(DVec3::new(x, y, z), 1.0);
+    let area = |mm: f64| Source::area(DVec3::new(0.0, 0.0, -40.0), mm * DVec3::X, mm * DVec3::Y, 1.0);
+    let lights = [
+        point(0.0, 0.0, 0.0),
+        point(9.0, 0.0, 0.0),
+        point(0.0, 0.0, 16.0),
+        point(5.0, 5.0, 19.0),
+        point(14.0, 0.0, 0.0),
+        point(1e12, 0.0, 0.0),
+        area(1e-9),
+        area(1e9),
+        Source::far(DVec3::Z, 1.0),
+    ];
+    for light in lights {
+        let light = light.expect("a light");
+        let frame = picture(&world(objects(), vec![light], None), &along_z(24, 50.0), 1);
+        let fine = |c: &f32| c.is_finite() && (0.0..=1.0 + 1e-6).contains(c);
+        assert!(frame.pixels().as_flattened().iter().all(fine), "{light:?}");
+    }
+    let lit_by = |lights| bits(&picture(&world(objects(), lights, None), &along_z(24, 50.0), 1));
+    let none = Source::far(-DVec3::Z, 0.0).expect("a light");
+    assert!(lit_by(vec![]) == lit_by(vec![none]));
+}
+
+/// A light of a frame's settings that comes from nowhere is told as such.
+#[test]
+fn a_light_from_nowhere_is_refused() {
+    for (towards, intensity) in [
+        (DVec3::ZERO, 1.0),
+        (DVec3::NAN, 1.0),
+        (DVec3::Z, -1.0),
+        (DVec3::Z, f32::NAN),
+    ] {
+        let shading = Shading {
+            lights: vec![Light { towards, intensity }],
+            ..Shading::default()
+        };
+        let settings = Settings {
+            shading: Some(shading),
+            ..Settings::default()
+        };
+        let refused = World::of(Vec::new(), &[], &along_z(8, 8.0), &settings);
+        assert!(matches!(refused, Err(ProjectError::Light(_))), "{towards}, {intensity}");
+    }
 }

@@ -1,6 +1,7 @@
 //! `vcsg render` with rays that are traced, from outside.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -64,6 +65,8 @@ fn what_does_not_go_together_is_refused() {
     let ball = "scene { sphere radius=5 }\n";
     assert!(refused(SCENE, &["--renderer", "raycast"]).contains("--renderer trace"));
     assert!(refused(ball, &["--renderer", "raycast", "--samples", "4"]).contains("--renderer trace"));
+    assert!(refused(ball, &["--progressive", "--renderer", "raycast"]).contains("--renderer trace"));
+    assert!(refused(SCENE, &["--progressive", "--frames", "0..1"]).contains("--frames"));
     assert!(refused(SCENE, &["--mode", "mip"]).contains("cannot be traced"));
     assert!(refused(SCENE, &["--surface", "1"]).contains("surfaces are drawn beside slices and cast rays"));
     assert!(refused(SCENE, &["--samples", "0"]).contains("samples"));
@@ -103,4 +106,87 @@ fn frames_of_an_animation_are_traced() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let [first, second] = ["f0.png", "f1.png"].map(|name| image::open(folder.path().join(name)).expect("a frame"));
     assert_ne!(first, second);
+}
+
+/// What `--progressive` writes, through a pipe, which has all of it: pictures of one, two and three samples, each whole, the last one that
+/// without the option.
+#[test]
+fn a_picture_is_written_after_each_sample() {
+    let folder: TempDir = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("a.png");
+    let mut pictures = Vec::new();
+    for samples in ["1", "2", "3"] {
+        assert!(run(folder.path(), SCENE, &["--samples", samples]).status.success());
+        pictures.extend(fs::read(&picture).expect("a picture"));
+    }
+    let last = fs::read(&picture).expect("the last picture");
+    assert!(
+        run(folder.path(), SCENE, &["--samples", "3", "--progressive"])
+            .status
+            .success()
+    );
+    assert!(fs::read(&picture).expect("a picture") == last);
+    let mut files: Vec<_> = fs::read_dir(folder.path())
+        .expect("the folder")
+        .map(|f| f.expect("a file").file_name())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["a.png", "scene.kdl"], "something was left behind");
+
+    fs::remove_file(&picture).expect("removed");
+    assert!(Command::new("mkfifo").arg(&picture).status().expect("mkfifo").success());
+    // While this end is open the pipe has not ended, whoever closes its other end between two pictures.
+    let hold = fs::File::options()
+        .read(true)
+        .write(true)
+        .open(&picture)
+        .expect("a pipe");
+    let mut pipe = fs::File::open(&picture).expect("a pipe");
+    let drawing = std::thread::spawn({
+        let folder = folder.path().to_owned();
+        move || {
+            let output = run(&folder, SCENE, &["--samples", "3", "--progressive"]);
+            drop(hold);
+            output
+        }
+    });
+    let mut written = Vec::new();
+    pipe.read_to_end(&mut written).expect("what is written");
+    assert!(drawing.join().expect("a run").status.success());
+    assert!(written == pictures, "{} bytes for {}", written.len(), pictures.len());
+}
+
+/// What cannot be is told alike whichever of both casts rays: where it stands, and what there can be.
+#[test]
+fn bad_input_is_refused_by_both_kinds_of_rays() {
+    let ball = "scene spacing=1 { sphere radius=5 }\n";
+    for renderer in ["raycast", "trace"] {
+        let told = |line: &str, options: &[&str]| {
+            let options = [&["--renderer", renderer], options].concat();
+            // Long lines are broken, wherever.
+            let told = refused(&format!("{ball}{line}\n"), &options);
+            told.split_whitespace()
+                .filter(|word| *word != "│")
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        assert!(told("", &["--size", "0x5"]).contains("each side in 1..16384"));
+        assert!(told("", &["--size", "5x40000"]).contains("each side in 1..16384"));
+        assert!(told("", &["--depth", "65"]).contains("0..=64"));
+        for (line, says) in [
+            ("render size=\"5x0\"", "each side in 1..16384"),
+            ("light towards=\"0 0 0\"", "not of length 0"),
+            ("light towards=\"0 0 -1\" intensity=-1", "must be in 0..10"),
+            ("light at=\"0 0 9\" u=\"1 0 0\" v=\"3 0 0\"", "span no area"),
+            ("optics transmit=1 index=0", "must be in 0.1..10"),
+            ("optics transmit=1 index=-1.5", "must be in 0.1..10"),
+            ("trace depth=65", "must be a whole number in 0..64"),
+        ] {
+            let told = told(line, &[]);
+            assert!(
+                told.contains(says) && told.contains("scene.kdl:2:"),
+                "{renderer}, {line}: {told}"
+            );
+        }
+    }
 }

@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::classifier::{Classifier, Sample};
 use super::optics::Optics;
 use super::ray::{Ray, Stretch};
-use super::voxels::{Level, Quest, Region, Walk};
+use super::voxels::{Level, Nearby, Quest, Region, Walk};
 use crate::math::Aabb;
 use crate::model::TransferFunction;
 use crate::projection::half_differences;
@@ -73,7 +73,7 @@ impl Object {
     /// The object at a place of the world, in all detail.
     pub fn density_at(&self, world: DVec3) -> f64 {
         match self.levels[0].holds(world) {
-            true => self.classifier.density(&self.levels[0].sample(world)),
+            true => self.classifier.density(&Nearby::new(&self.levels[0]).sample(world)),
             false => 0.0,
         }
     }
@@ -163,8 +163,9 @@ impl Probe<'_> {
     /// The gradient about a place of the world of what normals are the gradient of, by central differences.
     pub fn gradient(&self, world: DVec3) -> DVec3 {
         let level = self.fine.level();
+        let mut around = self.around();
         level.gradient(level.axes().map(|step| {
-            let [before, behind] = [-step, step].map(|by| self.object.classifier.height(&self.sample_at(world + by)));
+            let [before, behind] = [-step, step].map(|by| self.object.classifier.height(&around.sample(world + by)));
             0.5 * (behind - before)
         }))
     }
@@ -174,15 +175,17 @@ impl Probe<'_> {
         let level = self.fine.level();
         let [x, y, z] = level.axes();
         let by = |n: usize| n as f64 - 1.0;
-        let sample = |n: usize| self.sample_at(world + x * by(n % 3) + y * by(n / 3 % 3) + z * by(n / 9));
-        let around: [Sample; 27] = std::array::from_fn(sample);
+        let mut around = self.around();
+        let sample = |n: usize| around.sample(world + x * by(n % 3) + y * by(n / 3 % 3) + z * by(n / 9));
+        let samples: [Sample; 27] = std::array::from_fn(sample);
         let classifier = &self.object.classifier;
-        let differences = |number: &dyn Fn(&Sample) -> f64| {
-            half_differences(|[x, y, z]| number(&around[(13 + x + 3 * y + 9 * z) as usize])).to_array()
+        let slope = |numbers: [f64; 27]| {
+            let differences = half_differences(|[x, y, z]| numbers[(13 + x + 3 * y + 9 * z) as usize]);
+            level.gradient(differences.to_array())
         };
         [
-            level.gradient(differences(&|sample| classifier.height(sample))),
-            level.gradient(differences(&|sample| classifier.density(sample))),
+            slope(samples.map(|sample| classifier.height(&sample))),
+            slope(samples.map(|sample| classifier.density(&sample))),
         ]
     }
 
@@ -195,10 +198,29 @@ impl Probe<'_> {
         self.fine.level().gradient(across).normalize_or_zero()
     }
 
-    fn sample_at(&self, world: DVec3) -> Sample {
-        let fine = self.fine.level().sample(world);
-        match &self.coarse {
-            Some((coarse, part)) => fine.mixed(&coarse.level().sample(world), *part),
+    /// Its samples off the ray.
+    fn around(&self) -> Around<'_> {
+        Around {
+            fine: Nearby::new(self.fine.level()),
+            coarse: self
+                .coarse
+                .as_ref()
+                .map(|(coarse, part)| (Nearby::new(coarse.level()), *part)),
+        }
+    }
+}
+
+/// An object about a place, in the detail that a ray sees.
+struct Around<'a> {
+    fine: Nearby<'a>,
+    coarse: Option<(Nearby<'a>, f64)>,
+}
+
+impl Around<'_> {
+    fn sample(&mut self, world: DVec3) -> Sample {
+        let fine = self.fine.sample(world);
+        match &mut self.coarse {
+            Some((coarse, part)) => fine.mixed(&coarse.sample(world), *part),
             None => fine,
         }
     }

@@ -85,6 +85,19 @@ impl Line {
         self.origin + self.step * mm
     }
 
+    /// Where it leaves a box that it goes through: [`Self::stretch`]'s end, for half of the work.
+    pub fn leave(&self, low: DVec3, high: DVec3) -> f64 {
+        let mut leave = f64::INFINITY;
+        for axis in 0..3 {
+            let (o, d) = (self.origin[axis], self.step[axis]);
+            if d != 0.0 {
+                let face = if d > 0.0 { high[axis] } else { low[axis] };
+                leave = leave.min((face - o) / d);
+            }
+        }
+        leave
+    }
+
     /// The stretch inside a box, as the places where it enters and leaves, and the axis of the face that it enters by; leaves before
     /// it enters where it misses the box.
     pub fn stretch(&self, low: DVec3, high: DVec3) -> Stretch {
@@ -125,4 +138,22 @@ pub struct Stretch {
     pub leave: f64,
     /// The axes of the faces that it enters and leaves by.
     pub axes: [usize; 2],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_leaves_where_its_stretch_ends() {
+        let [low, high] = [DVec3::new(-1.0, 2.0, 0.0), DVec3::new(3.0, 5.0, 0.5)];
+        for n in 0..343u32 {
+            let step = DVec3::from_array([n % 7, n / 7 % 7, n / 49].map(|k| f64::from(k) / 3.0 - 1.0));
+            let line = Line {
+                origin: DVec3::new(0.3, 4.1, 0.2) - 2.0 * step,
+                step,
+            };
+            assert_eq!(line.leave(low, high), line.stretch(low, high).leave, "{step}");
+        }
+    }
 }

@@ -45,7 +45,7 @@ fn pass_solid(world: &World, n: usize, ray: &Ray, beam: &Beam, inside: Inside, l
     let mut within = inside.has(n);
     let [mut from_mm, mut entered_mm] = [0.0; 2];
     while !is_dark(left) {
-        let met = surface::next(&mut probe, ray, within, from_mm, beam.distance_mm);
+        let met = surface::next(&mut probe, within, from_mm, beam.distance_mm);
         if within {
             let length_mm = met.map_or(beam.distance_mm, |met| met.at_mm) - entered_mm;
             let through = optics.through(length_mm.clamp(0.0, f64::MAX));
@@ -54,9 +54,14 @@ fn pass_solid(world: &World, n: usize, ray: &Ray, beam: &Beam, inside: Inside, l
         let Some(met) = met.filter(|met| met.at_mm < beam.distance_mm) else {
             return;
         };
-        let cos = met.normal.dot(ray.direction).abs();
-        // As from outside: straight light is not mirrored back for good.
-        let passing = optics.shares(cos, 1.0, optics.index()).transmitted;
+        let passing = match optics.transmits() {
+            true => {
+                let cos = met.normal(&probe, ray).dot(ray.direction).abs();
+                // As from outside: straight light is not mirrored back for good.
+                optics.shares(cos, 1.0, optics.index()).transmitted
+            }
+            false => 0.0,
+        };
         *left = left.map(|left| left * (1.0 - met.opacity * (1.0 - passing)));
         within ^= met.is_full();
         entered_mm = met.at_mm;

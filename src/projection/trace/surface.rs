@@ -8,7 +8,7 @@
 //! the largest density on its way through: nothing up to ¼, half at ½, all from ¾ on. So with a filter of two voxels a silhouette is
 //! about one voxel wide, in its right place. The rest of the ray goes straight on.
 //! *Practice.* Samples are half a voxel apart; between two the surface is found by secants, and the top of a grazing ray's density by a
-//! parabola. From within a solid everything is the same with one less the density. A ray that begins in a soft surface is
+//! parabola. Normals take many samples, and are made of what is seen alone. From within a solid everything is the same with one less the density. A ray that begins in a soft surface is
 //! leaving it for as long as density falls.
 
 use std::ops::Range;
@@ -28,14 +28,25 @@ pub struct Meeting {
     pub end_mm: f64,
     /// How much of the ray meets it, above 0.
     pub opacity: f64,
-    /// The normal, of length 1, out of the solid.
-    pub normal: DVec3,
+    /// Whether it is where the ray enters (0) or leaves (1) the object's box, cut off by a face of that.
+    face: Option<usize>,
 }
 
 impl Meeting {
     /// Whether all of the ray meets the surface.
     pub fn is_full(&self) -> bool {
         self.opacity >= 1.0
+    }
+
+    /// The normal, of length 1, out of the solid of `probe`, which `ray` has met here: that of the box's face, else against the
+    /// gradient of the data, on the side to which density falls.
+    pub fn normal(&self, probe: &Probe, ray: &Ray) -> DVec3 {
+        if let Some(side) = self.face {
+            return probe.face_normal(side);
+        }
+        let [data, density] = probe.surface_gradients(ray.at(self.at_mm));
+        let outwards = if data.dot(density) >= 0.0 { -data } else { data };
+        outwards.normalize_or(-ray.direction)
     }
 }
 
@@ -53,9 +64,9 @@ pub fn opacity(density: f64) -> f64 {
     ((density - SURFACE[0]) / (SURFACE[1] - SURFACE[0])).clamp(0.0, 1.0)
 }
 
-/// The first surface that `ray` meets of the object of `probe` from `from_mm` on and before `until_mm`; `within` says whether it is
+/// The first surface of the object of `probe` that its ray meets from `from_mm` on and before `until_mm`; `within` says whether it is
 /// inside of the object there.
-pub fn next(probe: &mut Probe, ray: &Ray, within: bool, from_mm: f64, until_mm: f64) -> Option<Meeting> {
+pub fn next(probe: &mut Probe, within: bool, from_mm: f64, until_mm: f64) -> Option<Meeting> {
     let stretch = probe.stretch();
     let begin = from_mm.max(stretch.enter);
     if begin >= stretch.leave || begin >= until_mm {
@@ -63,12 +74,12 @@ pub fn next(probe: &mut Probe, ray: &Ray, within: bool, from_mm: f64, until_mm: 
     }
     let mut search = Search::new(from_mm < stretch.enter);
     match rise(probe, &mut search, within, begin..stretch.leave, until_mm) {
-        Some(found) => Some(meeting(probe, ray, within, &found)),
+        Some(found) => Some(meeting(probe, within, &found)),
         None if within && stretch.leave < until_mm => Some(Meeting {
             at_mm: stretch.leave,
             end_mm: stretch.leave,
             opacity: 1.0,
-            normal: probe.face_normal(1),
+            face: Some(1),
         }),
         None => None,
     }
@@ -109,7 +120,7 @@ fn height(probe: &mut Probe, within: bool, mm: f64) -> f64 {
 }
 
 /// Where the surface is that was found, exactly.
-fn meeting(probe: &mut Probe, ray: &Ray, within: bool, met: &Met) -> Meeting {
+fn meeting(probe: &mut Probe, within: bool, met: &Met) -> Meeting {
     let at_mm = match met.crossing {
         Some([low, high]) if low < high => crossing(low, high, |mm| height(probe, within, mm) - LEVEL),
         Some([at, _]) => at,
@@ -120,19 +131,8 @@ fn meeting(probe: &mut Probe, ray: &Ray, within: bool, met: &Met) -> Meeting {
         at_mm,
         end_mm: met.end_mm,
         opacity: opacity(met.crest.height),
-        normal: if on_face {
-            probe.face_normal(0)
-        } else {
-            normal(probe, ray, at_mm)
-        },
+        face: on_face.then_some(0),
     }
-}
-
-/// The normal at a place of the ray: against the gradient of the data, on the side to which density falls.
-fn normal(probe: &Probe, ray: &Ray, mm: f64) -> DVec3 {
-    let [data, density] = probe.surface_gradients(ray.at(mm));
-    let outwards = if data.dot(density) >= 0.0 { -data } else { data };
-    outwards.normalize_or(-ray.direction)
 }
 
 /// Where `f` is 0 between two places, below it at the first and above it at the second (regula falsi; Dowell and Jarratt 1971).

@@ -326,7 +326,7 @@ impl<'a> Solids<'a> {
         for (n, solid) in self.solids.iter_mut().enumerate() {
             let within = inside.has(solid.object);
             if solid.met.is_none() {
-                solid.met = surface::next(&mut solid.probe, ray, within, solid.from_mm, until_mm);
+                solid.met = surface::next(&mut solid.probe, within, solid.from_mm, until_mm);
             }
             if let Some(met) = solid.met.filter(|met| met.at_mm < until_mm) {
                 until_mm = met.at_mm;
@@ -346,11 +346,8 @@ impl<'a> Solid<'a> {
             true => self.probe.object.classifier.tissue(&sample).color,
             false => [0.0; 3],
         };
-        let towards = if inside.has(self.object) {
-            -meeting.normal
-        } else {
-            meeting.normal
-        };
+        let normal = meeting.normal(&self.probe, ray);
+        let towards = if inside.has(self.object) { -normal } else { normal };
         Some(Met {
             object: self.object,
             optics: self.optics,

@@ -69,16 +69,6 @@ impl Level {
         self.lattice.spacing_mm().max_element()
     }
 
-    /// The sample at a place of the world. Beyond the lattice its outermost voxels go on.
-    pub fn sample(&self, world: DVec3) -> Sample {
-        let centres = self.lattice.centres();
-        let at = affine::point(&self.lattice_from_world, world).clamp(centres.min, centres.max);
-        match self.leaf(at).node {
-            OctreeNode::Block(block) => self.blocks[block as usize].sample(at),
-            _ => Sample::default(),
-        }
-    }
-
     /// Whether a place of the world is in the lattice's box.
     pub fn holds(&self, world: DVec3) -> bool {
         let at = affine::point(&self.lattice_from_world, world);
@@ -97,9 +87,13 @@ impl Level {
         self.lattice_from_world.matrix3.transpose() * DVec3::from_array(differences)
     }
 
-    fn leaf(&self, at: DVec3) -> Leaf {
+    /// The voxel that holds a place of the lattice, or is nearest to one beyond it.
+    fn voxel(&self, at: DVec3) -> [i64; 3] {
         let dims = self.lattice.dims;
-        let voxel: [i64; 3] = std::array::from_fn(|a| ((at[a] + 0.5) as i64).clamp(0, dims[a] as i64 - 1));
+        std::array::from_fn(|a| ((at[a] + 0.5) as i64).clamp(0, dims[a] as i64 - 1))
+    }
+
+    fn leaf(&self, voxel: [i64; 3]) -> Leaf {
         let mut cube = self.octree.root;
         let mut node = self.octree.nodes[0];
         while let OctreeNode::Split(first) = node {
@@ -116,6 +110,42 @@ impl Level {
 struct Leaf {
     cube: Cube,
     node: OctreeNode,
+}
+
+impl Leaf {
+    fn holds(&self, voxel: [i64; 3]) -> bool {
+        let Cube { origin, size } = self.cube;
+        (0..3).all(|a| (0..size as i64).contains(&(voxel[a] - origin[a])))
+    }
+}
+
+/// Samples at places of the world that are near to each other: a leaf is looked up when they leave the one before.
+pub struct Nearby<'a> {
+    level: &'a Level,
+    leaf: Option<Leaf>,
+}
+
+impl<'a> Nearby<'a> {
+    /// Those of `level`.
+    pub fn new(level: &'a Level) -> Self {
+        Self { level, leaf: None }
+    }
+
+    /// The sample at a place of the world. Beyond the lattice its outermost voxels go on.
+    pub fn sample(&mut self, world: DVec3) -> Sample {
+        let level = self.level;
+        let centres = level.lattice.centres();
+        let at = affine::point(&level.lattice_from_world, world).clamp(centres.min, centres.max);
+        let voxel = level.voxel(at);
+        let leaf = match self.leaf {
+            Some(leaf) if leaf.holds(voxel) => leaf,
+            _ => *self.leaf.insert(level.leaf(voxel)),
+        };
+        match leaf.node {
+            OctreeNode::Block(block) => level.blocks[block as usize].sample(at),
+            _ => Sample::default(),
+        }
+    }
 }
 
 impl LevelBlock {
@@ -163,32 +193,45 @@ impl LevelBlock {
             };
         }
         let dims = self.voxels.dims;
-        let base = at.floor();
-        let t = (at - base).to_array();
+        let base = at.to_array().map(floor);
+        let t = std::array::from_fn(|a| at[a] - base[a] as f64);
         let corner: [usize; 3] = std::array::from_fn(|a| {
-            let stored = base[a] as i64 + 1 - self.origin[a] as i64;
+            let stored = base[a] + 1 - self.origin[a] as i64;
             stored.clamp(0, dims[a] as i64 - 2) as usize
         });
         let first = corner[0] + dims[0] * (corner[1] + dims[1] * corner[2]);
-        let strides = [1, dims[0], dims[0] * dims[1]];
-        let mix = |numbers: &[f32]| trilinear(|n| numbers[n], first, strides, t);
+        let strides = [dims[0], dims[0] * dims[1]];
+        let mix = |numbers: &[f32]| trilinear(|n| [numbers[n], numbers[n + 1]], first, strides, t);
         let voxels = &self.voxels;
         Sample {
             premultiplied: mix(&voxels.premultiplied),
             coverage: voxels.coverage.as_ref().map_or(1.0, |coverage| mix(coverage)),
             rgb: voxels.rgb().map_or([0.0; 3], |rgb| {
-                [0, 1, 2].map(|c| trilinear(|n| rgb[n][c], first, strides, t))
+                [0, 1, 2].map(|c| trilinear(|n| [rgb[n][c], rgb[n + 1][c]], first, strides, t))
             }),
         }
     }
 }
 
+/// The whole number at or below `x`; without a call, as which processors without SSE 4.1 have it.
 #[inline]
-fn trilinear(number: impl Fn(usize) -> f32, first: usize, [x, y, z]: [usize; 3], t: [f64; 3]) -> f64 {
-    let lerp = |a: f64, b: f64, t: f64| a + t * (b - a);
-    let along_x = |n: usize| lerp(f64::from(number(n)), f64::from(number(n + x)), t[0]);
-    let in_plane = |n: usize| lerp(along_x(n), along_x(n + y), t[1]);
-    lerp(in_plane(first), in_plane(first + z), t[2])
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(towards_zero as f64 > x)
+}
+
+/// Between eight numbers: `pair` gives one and the next along x, and the others are `y` and `z` further on.
+#[inline(always)]
+fn trilinear(pair: impl Fn(usize) -> [f32; 2], first: usize, [y, z]: [usize; 2], t: [f64; 3]) -> f64 {
+    let along_x = |[a, b]: [f32; 2]| lerp(f64::from(a), f64::from(b), t[0]);
+    let near = lerp(along_x(pair(first)), along_x(pair(first + y)), t[1]);
+    let far = lerp(along_x(pair(first + z)), along_x(pair(first + y + z)), t[1]);
+    lerp(near, far, t[2])
+}
+
+#[inline(always)]
+fn lerp(a: f64, b: f64, t: f64) -> f64 {
+    a + t * (b - a)
 }
 
 /// The ranges of covered values and of coverages that samples in a cell can have: those of its voxels and one more on each side.
@@ -296,16 +339,16 @@ impl<'a> Walk<'a> {
             };
         }
         let at = self.line.at(mm);
-        let leaf = self.leaf_at(at);
-        let (worthwhile, [low, high]) = match leaf.0.node {
+        let (leaf, bounds) = *self.leaf_at(at);
+        let (worthwhile, [low, high]) = match leaf.node {
             OctreeNode::Block(block) => {
                 let block = &self.level.blocks[block as usize];
                 let (found, bounds) = block.cell(at);
                 (found & quest as u8 != 0, bounds)
             }
-            _ => (quest == Quest::Exit, leaf.1),
+            _ => (quest == Quest::Exit, bounds),
         };
-        let end = self.line.stretch(low, high).leave.min(self.leave);
+        let end = self.line.leave(low, high).min(self.leave);
         // Rounding must not keep a ray where it is.
         let least = (mm + 1e-6 * self.half_voxel()).max(mm.next_up());
         Region {
@@ -327,17 +370,14 @@ impl<'a> Walk<'a> {
     }
 
     /// The leaf that holds a place of the lattice, and its box.
-    fn leaf_at(&mut self, at: DVec3) -> (Leaf, [DVec3; 2]) {
-        match self.leaf {
-            Some(known) if at.cmpge(known.1[0]).all() && at.cmple(known.1[1]).all() => known,
-            _ => {
-                let leaf = self.level.leaf(at);
-                let low = DVec3::from_array(leaf.cube.origin.map(|n| n as f64)) - 0.5;
-                let known = (leaf, [low, low + leaf.cube.size as f64]);
-                self.leaf = Some(known);
-                known
-            }
-        }
+    fn leaf_at(&mut self, at: DVec3) -> &(Leaf, [DVec3; 2]) {
+        let left = |(_, [low, high]): &mut (Leaf, [DVec3; 2])| !(at.cmpge(*low).all() && at.cmple(*high).all());
+        self.leaf.take_if(left);
+        self.leaf.get_or_insert_with(|| {
+            let leaf = self.level.leaf(self.level.voxel(at));
+            let low = DVec3::from_array(leaf.cube.origin.map(|n| n as f64)) - 0.5;
+            (leaf, [low, low + leaf.cube.size as f64])
+        })
     }
 }
 
@@ -352,5 +392,70 @@ impl LevelBlock {
         let low = origin + DVec3::from_array(cell.map(|n| (n * CELL) as f64));
         let found = self.cells.found[cell[0] + self.cells.dims[0] * (cell[1] + self.cells.dims[1] * cell[2])];
         (found, [low, low + CELL as f64])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{ControlPoint, Model, Node, TransferFunction};
+    use crate::target::Subdivision;
+    use crate::voxelize::{Primitive, Solid};
+
+    fn level() -> Level {
+        let ball = Solid::Sphere {
+            center: DVec3::new(0.3, 0.2, 0.1),
+            radius: 12.0,
+        };
+        let mut model = Model::default();
+        model.push(Node::Primitive(Primitive::crisp(ball, 1.0)));
+        let subdivision = Subdivision {
+            min_block: 8,
+            max_block: 8,
+            ..Subdivision::default()
+        };
+        let target = Target::build(&model, Some(1.0), &subdivision).expect("a target");
+        let point = ControlPoint {
+            value: 0.0,
+            color: [1.0; 3],
+            opacity: 1.0,
+        };
+        let transfer = TransferFunction::new(vec![point], 1.0).expect("a transfer function");
+        Level::new(&target, &Classifier::new(&target, &transfer))
+    }
+
+    /// From place to place, near and far, on the faces of blocks and beyond the lattice: what a look-up of its own gives, bit for bit.
+    #[test]
+    fn nearby_samples_are_those_of_a_look_up_each() {
+        let level = level();
+        let mut nearby = Nearby::new(&level);
+        let mut found = 0;
+        let mut state = 1u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f64 / f64::from(1 << 24)
+        };
+        let mut about = DVec3::ZERO;
+        for n in 0..60_000 {
+            if n % 27 == 0 {
+                about = DVec3::new(random(), random(), random()) * 30.0 - 16.5;
+            }
+            let at = about + 3.0 * DVec3::new(random(), random(), random());
+            // Every other one on a voxel's face.
+            let world = if n % 2 == 0 { at } else { (2.0 * at).floor() * 0.5 };
+            let sample = nearby.sample(world);
+            found += usize::from(sample.coverage > 0.0);
+            assert_eq!(sample, Nearby::new(&level).sample(world), "{world}");
+        }
+        assert!(found > 1000, "{found}");
+    }
+
+    #[test]
+    fn whole_numbers_are_at_or_below() {
+        for x in [-2.5, -2.0, -0.5, -1e-300, 0.0, 0.7, 1.0, 1.0f64.next_down(), 3e9 + 0.5] {
+            assert_eq!(floor(x), x.floor() as i64, "{x}");
+        }
     }
 }

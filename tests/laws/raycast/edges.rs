@@ -1,7 +1,7 @@
 //! Frames that cannot be, and eyes where eyes seldom are.
 
 use glam::DVec3;
-use vcsg::projection::{FrameSpec, Lens, Mode, ProjectError, Projector, raycast, raycast::RayCaster};
+use vcsg::projection::{FrameSpec, Lens, Light, Mode, ProjectError, Projector, Shading, raycast, raycast::RayCaster};
 
 use crate::random::Random;
 use crate::scene::{Content, Recipe, Scene};
@@ -81,4 +81,32 @@ fn rays_end_at_surfaces() {
             .zip(whole.pixels())
             .all(|(half, whole)| half[3] <= whole[3])
     );
+}
+
+/// No lights, lights from behind, from nowhere, of no strength: lit by them every pixel is a finite colour, and where no light comes
+/// from it is as without.
+#[test]
+fn degenerate_lights_give_something_defined() {
+    let lit_by = |lights: &[(DVec3, f32)]| {
+        let mut scene = scene(Content::Carved, Mode::Composite);
+        let light = |(towards, intensity): &(DVec3, f32)| Light {
+            towards: *towards,
+            intensity: *intensity,
+        };
+        scene.settings.shading = Some(Shading {
+            lights: lights.iter().map(light).collect(),
+            ..Shading::default()
+        });
+        let frame = RayCaster.project(&scene.spec()).expect("a frame");
+        assert!(
+            frame.pixels().as_flattened().iter().all(|c| c.is_finite()),
+            "{lights:?}"
+        );
+        frame
+    };
+    let dark = lit_by(&[]);
+    assert!(dark.pixels() == lit_by(&[(-DVec3::Z, 0.0)]).pixels());
+    // Half-way between the eye and a light behind everything there is no direction.
+    assert!(dark.pixels() != lit_by(&[(DVec3::Z, 1.0)]).pixels());
+    lit_by(&[(DVec3::ZERO, 1.0)]);
 }
