@@ -7,6 +7,7 @@ mod array;
 mod blosc;
 mod chunks;
 mod codec;
+mod filters;
 mod image;
 mod json;
 mod listing;
