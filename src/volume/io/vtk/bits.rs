@@ -5,6 +5,11 @@ use std::io::{self, Read};
 /// How files call the type of bits.
 pub(super) const BIT: &str = "bit";
 
+/// Bytes of so many.
+pub(super) fn bytes(count: u64) -> u64 {
+    count.div_ceil(8)
+}
+
 /// The bits of a stream's bytes, a byte each.
 pub(super) struct Bits<R> {
     packed: R,
@@ -20,11 +25,6 @@ impl<R: Read> Bits<R> {
             byte: 0,
             left: 0,
         }
-    }
-
-    /// Bytes of so many.
-    pub(super) fn bytes(count: u64) -> u64 {
-        count.div_ceil(8)
     }
 }
 
@@ -60,6 +60,6 @@ mod tests {
         let mut rest = Vec::new();
         bits.read_to_end(&mut rest).unwrap();
         assert_eq!(rest, [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1]);
-        assert_eq!([0, 1, 8, 9].map(Bits::<&[u8]>::bytes), [0, 1, 1, 2]);
+        assert_eq!([0, 1, 8, 9].map(bytes), [0, 1, 1, 2]);
     }
 }

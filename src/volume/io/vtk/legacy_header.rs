@@ -10,7 +10,7 @@ use std::str::FromStr;
 
 use glam::{DMat3, DVec3};
 
-use super::bits::{BIT, Bits};
+use super::bits::{self, BIT};
 use super::{Array, Extent, Lattice, Of};
 use crate::volume::io::error::{Problem, ReadError};
 use crate::volume::io::stored::Stored;
@@ -283,7 +283,7 @@ impl Scan<'_> {
         let left = self.length.saturating_sub(start);
         let size = match (self.is_binary, kind) {
             (false, _) => None,
-            (true, BIT) => Some(Bits::<File>::bytes(count as u64)),
+            (true, BIT) => Some(bits::bytes(count as u64)),
             (true, kind) => match stored(kind) {
                 Some(stored) => Some((count as u64).saturating_mul(stored.bytes() as u64)),
                 None => return Err(ReadError::unsupported(self.path, format!("`{kind}` is not read")).byte(start)),

@@ -119,6 +119,16 @@ struct Choice {
     components: Components,
 }
 
+impl Choice {
+    /// Bytes of so many numbers in the file.
+    fn bytes(&self, count: u64) -> u64 {
+        match self.are_bits {
+            true => bits::bytes(count),
+            false => count.saturating_mul(self.stored.bytes() as u64),
+        }
+    }
+}
+
 /// The array that `options` name. Else the active one; else the first of one number a voxel; else the first. Those of points come
 /// before those of cells.
 fn choose(path: &Path, arrays: &[Array], options: &ReadOptions) -> Result<Choice, ReadError> {

@@ -97,10 +97,7 @@ fn scalars(
 ) -> Result<Scalars, ReadError> {
     let count = voxel_count(dims).map_err(|e| ReadError::new(path, e))?;
     let count = count.saturating_mul(choice.components.count());
-    let expected = match choice.are_bits {
-        true => Bits::<File>::bytes(count as u64),
-        false => (count as u64).saturating_mul(choice.stored.bytes() as u64),
-    };
+    let expected = choice.bytes(count as u64);
     let io_error = |e| ReadError::io(path, e);
     let mut file = File::open(path).map_err(io_error)?;
     let length = file.metadata().map_err(io_error)?.len();
