@@ -69,6 +69,12 @@ def version_2(cases):
     # Blocks of Blosc: a chunk of several, the last one shorter.
     for compressor in compressors[5:]:
         cases.add(f"2 blocks {compressor}", "u4", (61, 70, 83), zarr_format=2, compressors=compressor, chunks=(60, 64, 81))
+    for dtype in ["|u1", "<i2", ">u2", "<i4", ">i8"]:
+        delta = numcodecs.Delta(dtype)
+        shuffle = numcodecs.Shuffle(numpy.dtype(dtype).itemsize)
+        for filters in [[delta], [shuffle], [delta, shuffle]]:
+            cases.add(f"2 {filters} {dtype}", dtype, zarr_format=2, filters=filters, compressors=numcodecs.Zstd())
+        cases.add(f"2 only a filter {dtype}", dtype, zarr_format=2, filters=[delta], compressors=None)
     cases.add("2 Fortran", ">i2", zarr_format=2, compressors=numcodecs.Zstd(), order="F")
     cases.add("2 folders", zarr_format=2, chunk_key_encoding={"name": "v2", "separator": "/"})
     cases.add("2 plane", shape=(34, 45), zarr_format=2, fill=0)

@@ -59,6 +59,19 @@ fn imagej_hyperstacks_are_read() {
     }
 }
 
+/// Without axes tifffile calls the slices of a stack channels.
+#[test]
+fn more_channels_than_imagej_has_are_slices() {
+    let (mut oracle, folder) = (Oracle::start(), folder());
+    let path = folder.path().join("a.tif");
+    for (planes, slices, channels) in [(7, 1, 7), (8, 8, 1)] {
+        let all = oracle.write(&path, "u16", &[planes, 5, 6], &json!({"imagej": true}));
+        let volume = io::read(&path).unwrap();
+        assert_eq!((volume.grid.dims(), volume.components), ([6, 5, slices], channels));
+        assert_eq!(f64s(volume.grid.voxels()), all[..slices * 30]);
+    }
+}
+
 #[test]
 fn ome_stacks_are_read_in_any_order() {
     let size = json!({

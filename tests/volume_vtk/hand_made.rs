@@ -137,6 +137,31 @@ fn what_is_missing_is_said() {
     }
 }
 
+/// A parallel file that names its pieces.
+#[test]
+fn files_of_pieces_are_there_once_and_hold_pieces() {
+    let folder = folder();
+    let parallel = |sources: &[&str]| {
+        let piece = |source: &&str| format!("<Piece Extent=\"0 1 0 1 0 1\" Source=\"{source}\"/>");
+        let pieces: String = sources.iter().map(piece).collect();
+        let text = vti("", &pieces).replace("ImageData", "PImageData");
+        io::read(&file(&folder, "a.pvti", text.as_bytes()))
+    };
+    let data = format!("<PointData>{}</PointData>", array("a", "", NUMBERS));
+    file(&folder, "b.vti", piece(&data).as_bytes());
+    let expected: Vec<i16> = (0..8).collect();
+    assert_eq!(*parallel(&["b.vti"]).unwrap().grid.voxels(), Voxels::I16(expected));
+    for (sources, expected) in [
+        (&["b.vti", "b.vti"][..], "twice"),
+        (&["a.pvti"], "one itself"),
+        (&["c.vti"], "c.vti"),
+        (&[], "no Piece"),
+    ] {
+        let error = parallel(sources).unwrap_err().to_string();
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+}
+
 fn legacy(header: &str, data: &[u8]) -> Vec<u8> {
     let mut bytes = format!("# vtk DataFile Version 3.0\ntitle\n{header}").into_bytes();
     bytes.extend(data);

@@ -7,7 +7,8 @@ use vcsg::volume::io::{self, ReadOptions};
 use crate::oracle::Oracle;
 use crate::{f64s, folder, named};
 
-const TYPES: [(&str, usize); 10] = [
+const TYPES: [(&str, usize); 11] = [
+    ("bit", 1),
     ("u8", 1),
     ("i8", 1),
     ("u16", 2),
@@ -52,6 +53,7 @@ fn count(of: &str) -> usize {
 /// Bytes of the type that are a number each, no NaN, and change from value to value.
 fn values(kind: &str, count: usize) -> (Vec<u8>, Vec<f64>) {
     let whole = |i: usize| (i as u64 * 2_654_435_761) % 200_003;
+    let bit = |i: usize| whole(i) & 1;
     let part = |i: usize| whole(i) as f64 / 7.0 - 9000.0;
     let mut bytes = Vec::new();
     let mut numbers = Vec::new();
@@ -64,6 +66,7 @@ fn values(kind: &str, count: usize) -> (Vec<u8>, Vec<f64>) {
             }};
         }
         match kind {
+            "bit" => put!(u8 bit),
             "u8" => put!(u8 whole),
             "i8" => put!(i8 whole),
             "u16" => put!(u16 whole),
@@ -80,7 +83,11 @@ fn values(kind: &str, count: usize) -> (Vec<u8>, Vec<f64>) {
 }
 
 fn check(oracle: &mut Oracle, folder: &TempDir, case: &Case) {
-    let suffix = if case.writer["writer"] == "xml" { "vti" } else { "vtk" };
+    let suffix = match case.writer["writer"].as_str() {
+        Some("xml") => "vti",
+        Some("parallel") => "pvti",
+        _ => "vtk",
+    };
     let path = folder.path().join(format!("a.{suffix}"));
     let (bytes, numbers) = values(case.kind, count(case.of) * case.components);
     let what = json!({
@@ -191,6 +198,26 @@ fn pieces_are_put_together() {
                 kind: "u16",
                 components: 2,
                 of,
+                writer,
+            };
+            check(&mut oracle, &folder, &case);
+        }
+    }
+}
+
+#[test]
+fn pieces_in_files_are_put_together() {
+    let (mut oracle, folder) = (Oracle::start(), folder());
+    for (pieces, ghosts, compressor) in [(1, 0, None), (2, 0, Some("zlib")), (3, 1, None), (8, 2, Some("lz4"))] {
+        for kind in ["bit", "f32"] {
+            let writer = json!({
+                "writer": "parallel", "mode": "appended", "encode": true, "compressor": compressor, "wide": true, "order": "big",
+                "block": 32768, "pieces": pieces, "ghosts": ghosts,
+            });
+            let case = Case {
+                kind,
+                components: 2,
+                of: "points",
                 writer,
             };
             check(&mut oracle, &folder, &case);

@@ -22,13 +22,28 @@ fn with(mut array: Value, field: &str, value: Value) -> Value {
 fn what_is_not_read_is_named() {
     let two = || version_2(&[4, 4, 4], &[2, 2, 2]);
     let three = || version_3(&[4, 4, 4], &[2, 2, 2]);
-    let filter = json!([{"id": "delta", "dtype": "<u2"}]);
+    let delta = |more: Value| {
+        with(
+            two(),
+            "filters",
+            json!([with(json!({"id": "delta", "dtype": "|u1"}), "astype", more)]),
+        )
+    };
     let rectangles = json!({"name": "rectangular", "configuration": {"chunk_shape": [[2, 2], [4], [4]]}});
     for (array, word) in [
         (with(two(), "dtype", json!("<c8")), "<c8"),
         (with(two(), "dtype", json!([["r", "|u1"], ["g", "|u1"]])), "\"r\""),
         (with(two(), "compressor", json!({"id": "lzma"})), "lzma"),
-        (with(two(), "filters", filter), "filters"),
+        (delta(json!("|i1")), "`delta`"),
+        (with(delta(json!("<f4")), "dtype", json!("<f4")), "`delta`"),
+        (
+            with(two(), "filters", json!([{"id": "shuffle", "elementsize": 0}])),
+            "`shuffle`",
+        ),
+        (
+            with(two(), "filters", json!([{"id": "fixedscaleoffset", "dtype": "<f4"}])),
+            "`fixedscaleoffset`",
+        ),
         (with(two(), "order", json!("D")), "`D`"),
         (with(two(), "dimension_separator", json!("-")), "`-`"),
         (with(two(), "fill_value", json!(300)), "300"),

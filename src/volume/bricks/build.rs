@@ -87,10 +87,11 @@ impl BrickBuilder {
         if end > expected {
             return Err(GridError::Count { expected, found: end }.into());
         }
-        for (region, range) in Region::of_range(self.dims, start..end) {
-            self.put_slice(&region, Order::Grid, voxels, range.start - start..range.end - start)?;
-        }
-        Ok(())
+        let parts = Region::of_range(self.dims, start..end);
+        let parts: Vec<_> = parts
+            .map(|(region, range)| (region, range.start - start..range.end - start))
+            .collect();
+        self.put_parts(&parts, Order::Grid, voxels)
     }
 
     /// The voxels of `region`, which lies in the grid and has not come before: x fastest, of the grid's type, and as many as it has.
@@ -98,34 +99,28 @@ impl BrickBuilder {
     /// # Errors
     /// If the bricks take more memory than they may.
     pub fn put(&mut self, region: &Region, voxels: &Voxels) -> Result<(), BuildError> {
-        self.put_slice(region, Order::Any, voxels, 0..voxels.len())
+        self.put_parts(&[(*region, 0..voxels.len())], Order::Any, voxels)
     }
 
-    fn put_slice(
-        &mut self,
-        region: &Region,
-        order: Order,
-        voxels: &Voxels,
-        range: Range<usize>,
-    ) -> Result<(), BuildError> {
-        assert_eq!(
-            range.len(),
-            region.size.iter().product::<usize>(),
-            "as many as {region:?} has"
-        );
+    /// The voxels of regions, each a part of `voxels`.
+    fn put_parts(&mut self, parts: &[(Region, Range<usize>)], order: Order, voxels: &Voxels) -> Result<(), BuildError> {
+        for (region, range) in parts {
+            let expected = region.size.iter().product::<usize>();
+            assert_eq!(range.len(), expected, "as many as {region:?} has");
+        }
         let types = (self.store.voxel_type(), voxels.voxel_type());
         let new = match (&mut self.store, voxels) {
-            (BrickStore::U8(bricks), Voxels::U8(v)) => bricks.put(region, order, Values::Each(&v[range])),
-            (BrickStore::I8(bricks), Voxels::I8(v)) => bricks.put(region, order, Values::Each(&v[range])),
-            (BrickStore::U16(bricks), Voxels::U16(v)) => bricks.put(region, order, Values::Each(&v[range])),
-            (BrickStore::I16(bricks), Voxels::I16(v)) => bricks.put(region, order, Values::Each(&v[range])),
-            (BrickStore::U32(bricks), Voxels::U32(v)) => bricks.put(region, order, Values::Each(&v[range])),
-            (BrickStore::I32(bricks), Voxels::I32(v)) => bricks.put(region, order, Values::Each(&v[range])),
-            (BrickStore::F32(bricks), Voxels::F32(v)) => bricks.put(region, order, Values::Each(&v[range])),
-            (BrickStore::F64(bricks), Voxels::F64(v)) => bricks.put(region, order, Values::Each(&v[range])),
+            (BrickStore::U8(bricks), Voxels::U8(v)) => bricks.put_each(parts, order, v),
+            (BrickStore::I8(bricks), Voxels::I8(v)) => bricks.put_each(parts, order, v),
+            (BrickStore::U16(bricks), Voxels::U16(v)) => bricks.put_each(parts, order, v),
+            (BrickStore::I16(bricks), Voxels::I16(v)) => bricks.put_each(parts, order, v),
+            (BrickStore::U32(bricks), Voxels::U32(v)) => bricks.put_each(parts, order, v),
+            (BrickStore::I32(bricks), Voxels::I32(v)) => bricks.put_each(parts, order, v),
+            (BrickStore::F32(bricks), Voxels::F32(v)) => bricks.put_each(parts, order, v),
+            (BrickStore::F64(bricks), Voxels::F64(v)) => bricks.put_each(parts, order, v),
             _ => panic!("voxels of another type than the grid's: {types:?}"),
         };
-        self.count(region, new)
+        self.count(voxels.len(), new)
     }
 
     /// Voxels that are all `value`, which the grid's type has, in `region`, which has not come before.
@@ -134,15 +129,15 @@ impl BrickBuilder {
     /// If the bricks take more memory than they may.
     pub fn fill(&mut self, region: &Region, value: f64) -> Result<(), BuildError> {
         fn filled<T: Voxel>(bricks: &mut TypedBricks<T>, region: &Region, value: f64) -> usize {
-            bricks.put(region, Order::Any, Values::All(T::nearest(value)))
+            bricks.put(&[(*region, Values::All(T::nearest(value)))], Order::Any)
         }
         let new = for_type!(BrickStore, &mut self.store, bricks => filled(bricks, region, value));
-        self.count(region, new)
+        self.count(region.size.iter().product(), new)
     }
 
-    /// Counts the voxels of `region`, for which `new` bytes were allocated.
-    fn count(&mut self, region: &Region, new: usize) -> Result<(), BuildError> {
-        self.filled += region.size.iter().product::<usize>();
+    /// Counts `voxels`, for which `new` bytes were allocated.
+    fn count(&mut self, voxels: usize, new: usize) -> Result<(), BuildError> {
+        self.filled += voxels;
         self.bytes += new as u64;
         let Self { bytes, budget, .. } = *self;
         (bytes <= budget)

@@ -30,34 +30,38 @@ pub(super) enum Order {
 }
 
 impl<T: Voxel> TypedBricks<T> {
-    /// Puts the voxels of `region` in the bricks that they touch: in their own, and in those before it whose aprons they are. How many
-    /// bytes were allocated for them.
-    pub(super) fn put(&mut self, region: &Region, order: Order, values: Values<T>) -> usize {
+    /// [`Self::put`] of regions, each of a part of `voxels`.
+    pub(super) fn put_each(&mut self, parts: &[(Region, Range<usize>)], order: Order, voxels: &[T]) -> usize {
+        let parts = parts
+            .iter()
+            .map(|(region, range)| (*region, Values::Each(&voxels[range.clone()])));
+        self.put(&parts.collect::<Vec<_>>(), order)
+    }
+
+    /// Puts the voxels of regions, one after the other, in the bricks that they touch: in their own, and in those before it whose
+    /// aprons they are. How many bytes were allocated for them.
+    pub(super) fn put(&mut self, parts: &[(Region, Values<T>)], order: Order) -> usize {
         let dims = self.dims();
         let touched = |a: usize| {
-            let last = region.first[a] + region.size[a] - 1;
-            region.first[a].saturating_sub(1) >> SHIFT..(last >> SHIFT) + 1
+            let each = parts.iter().map(|(region, _)| touched(region, a));
+            each.reduce(|p, q| p.start.min(q.start)..p.end.max(q.end))
+                .unwrap_or(0..0)
         };
         self.part([touched(0), touched(1), touched(2)])
             .map(|(b, brick)| {
-                let overlap = |a: usize| Overlap::new(b[a], dims[a], region.first[a], region.size[a]);
-                // At the volume's end the last voxels are repeated when they come, which may be before others.
-                let is_in_order = order == Order::Grid && (1..3).all(|a| (b[a] + 1) << SHIFT < dims[a]);
-                let piece = Piece {
-                    overlaps: [overlap(0), overlap(1), overlap(2)],
-                    planes: EDGE.min(dims[2] - (b[2] << SHIFT)) + 1,
-                    size: region.size,
-                    // What comes first comes in order.
-                    order: match is_in_order || brick.is_empty() {
-                        true => Order::Grid,
-                        false => Order::Any,
-                    },
-                    values,
-                };
-                brick.put(&piece)
+                let pieces = parts
+                    .iter()
+                    .filter_map(|(region, values)| Piece::new(b, dims, region, order, *values));
+                pieces.map(|piece| brick.put(&piece)).sum::<usize>()
             })
             .sum()
     }
+}
+
+/// The places of the bricks along an axis that a region touches.
+fn touched(region: &Region, axis: usize) -> Range<usize> {
+    let last = region.first[axis] + region.size[axis] - 1;
+    region.first[axis].saturating_sub(1) >> SHIFT..(last >> SHIFT) + 1
 }
 
 /// What is put in a brick.
@@ -105,7 +109,23 @@ impl Overlap {
     }
 }
 
-impl<T> Piece<'_, T> {
+impl<'a, T> Piece<'a, T> {
+    /// The values of `region` in the brick at place `b` of a grid of `dims`; `None` where it does not touch it.
+    fn new(b: [usize; 3], dims: [usize; 3], region: &Region, order: Order, values: Values<'a, T>) -> Option<Self> {
+        (0..3).all(|a| touched(region, a).contains(&b[a])).then(|| {
+            let overlap = |a: usize| Overlap::new(b[a], dims[a], region.first[a], region.size[a]);
+            // At the volume's end the last voxels are repeated when they come, which may be before others.
+            let is_in_order = order == Order::Grid && (1..3).all(|a| (b[a] + 1) << SHIFT < dims[a]);
+            Self {
+                overlaps: [overlap(0), overlap(1), overlap(2)],
+                planes: EDGE.min(dims[2] - (b[2] << SHIFT)) + 1,
+                size: region.size,
+                order: if is_in_order { Order::Grid } else { Order::Any },
+                values,
+            }
+        })
+    }
+
     /// The rows of the region in the brick, in the order of their places: those, and the voxels there.
     fn rows(&self) -> impl Iterator<Item = (Range<usize>, &[T])> {
         let [x, y, z] = &self.overlaps;
@@ -138,12 +158,14 @@ impl<T: Voxel> Brick<T> {
             return 0;
         }
         let mut allocated = 0;
+        // What comes first comes in order.
+        let order = if self.is_empty() { Order::Grid } else { piece.order };
         let mut rows = piece.rows();
         if !self.has_room() {
             let Some((places, voxels)) = rows.find(|(_, voxels)| !self.is_all(voxels)) else {
                 return 0;
             };
-            allocated = self.make_room(piece, places.start);
+            allocated = self.make_room(piece.planes, order, places.start);
             self.put_rows(std::iter::once((places, voxels)));
         }
         self.put_rows(rows);
@@ -171,12 +193,12 @@ impl<T: Voxel> Brick<T> {
     }
 
     /// Makes room for all voxels, if there is none, before one is put at `place`. How many bytes were allocated.
-    fn make_room(&mut self, piece: &Piece<T>, place: usize) -> usize {
+    fn make_room(&mut self, planes: usize, order: Order, place: usize) -> usize {
         let Self::Constant(value) = *self else {
             return 0;
         };
-        let mut voxels = vec![T::zeroed(); piece.planes * Z_STRIDE].into_boxed_slice();
-        match piece.order {
+        let mut voxels = vec![T::zeroed(); planes * Z_STRIDE].into_boxed_slice();
+        match order {
             Order::Grid => voxels[..place].fill(value),
             Order::Any => voxels.fill(value),
         }

@@ -42,14 +42,17 @@ impl<T: Voxel> Extremes<T> {
     fn range(&self, x: usize) -> Interval {
         let cell = x * CELL..=(x + 1) * CELL;
         let ends = self.lo[cell.clone()].iter().zip(&self.hi[cell]);
-        let ranges = ends.map(|(lo, hi)| match lo <= hi {
+        let none = (T::nearest(f64::INFINITY), T::nearest(f64::NEG_INFINITY));
+        let (lo, hi) = ends.fold(none, |(lo, hi), (l, h)| {
+            (if *l < lo { *l } else { lo }, if *h > hi { *h } else { hi })
+        });
+        match lo <= hi {
             true => Interval {
                 lo: lo.to_f32(),
                 hi: hi.to_f32(),
             },
             false => Interval::EMPTY,
-        });
-        ranges.fold(Interval::EMPTY, Interval::hull)
+        }
     }
 }
 

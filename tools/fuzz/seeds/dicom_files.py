@@ -109,12 +109,12 @@ def enhanced():
     return file(data, VALUES)
 
 
-def palette():
-    table = numpy.arange(256, dtype="<u2") * 200
+def palette(table, kind=""):
+    """Indices into tables of colours: entry by entry, or of the kind `Segmented`."""
     more = dict(PhotometricInterpretation="PALETTE COLOR")
     for name in ["Red", "Green", "Blue"]:
         more[f"{name}PaletteColorLookupTableDescriptor"] = [256, 0, 16]
-        more[f"{name}PaletteColorLookupTableData"] = table.tobytes()
+        more[f"{kind}{name}PaletteColorLookupTableData"] = numpy.array(table, "<u2").tobytes()
     return file(dataset(NATIVE[1], GREY, **more), GREY)
 
 
@@ -129,6 +129,7 @@ def dicom():
     yield file(dataset(NATIVE[0], VALUES, len(VALUES), GridFrameOffsetVector=[0, 2, 4], DoseGridScaling=0.5), VALUES)
     yield file(dataset(NATIVE[1], COLOUR, PlanarConfiguration=1), numpy.moveaxis(COLOUR, 2, 0))
     yield enhanced()
-    yield palette()
+    yield palette(numpy.arange(256) * 200)
+    yield palette([0, 2, 5, 10, 1, 100, 60000, 2, 2, 0, 0, 1, 80, 0], "Segmented")
     yield slices(NATIVE[1], VALUES)
     yield slices(RLE, VALUES, RescaleSlope=0.5, RescaleIntercept=0)

@@ -9,13 +9,20 @@ from packed import VALUES, written
 COMPRESSORS = [None, vtk.vtkZLibDataCompressor, vtk.vtkLZ4DataCompressor, vtk.vtkLZMADataCompressor]
 
 
+def bits(values):
+    array = vtk.vtkBitArray()
+    for bit in values.ravel():
+        array.InsertNextValue(int(bit))
+    return array
+
+
 def image(values=VALUES, of="points", components=1):
     data = vtk.vtkImageData()
     more = int(of == "cells")
     data.SetExtent(-1, 3 + more, 2, 5 + more, 0, values.size // 20 // components - 1 + more)
     data.SetSpacing(1, 2, 3)
     data.SetOrigin(4, 5, 6)
-    array = numpy_to_vtk(values.reshape(-1, components), deep=True)
+    array = bits(values) if values.dtype == bool else numpy_to_vtk(values.reshape(-1, components), deep=True)
     array.SetName("values")
     attributes = data.GetPointData() if of == "points" else data.GetCellData()
     attributes.SetScalars(array)
@@ -51,6 +58,7 @@ def xml():
     yield xml_file(image(of="cells"), "binary")
     yield xml_file(image(VALUES.astype("f4"), components=3), "ascii")
     yield xml_file(image(VALUES.astype("u1"), components=3), "appended")
+    yield xml_file(image(VALUES % 2 == 1), "binary")
 
 
 def legacy_file(data, binary, version=42):

@@ -14,6 +14,7 @@ def options():
         yield dict(zarr_format=2, compressors=codec)
     for name in ["blosclz", "lz4", "zlib", "zstd"]:
         yield dict(zarr_format=2, compressors=numcodecs.Blosc(name, shuffle=numcodecs.Blosc.BITSHUFFLE), order="F")
+    yield dict(zarr_format=2, filters=[numcodecs.Delta("<i2"), numcodecs.Shuffle(2)], compressors=numcodecs.Zstd())
     yield dict(compressors=[zarr.codecs.ZstdCodec(), zarr.codecs.Crc32cCodec()], filters=[zarr.codecs.TransposeCodec(order=(2, 0, 1))])
     yield dict(dtype="<f2", compressors=None)
     yield dict(shards=(4, 4, 6), compressors=[zarr.codecs.GzipCodec()])

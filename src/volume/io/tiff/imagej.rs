@@ -4,6 +4,10 @@ use super::Stack;
 use super::pages::Pages;
 use crate::volume::io::geometry::millimetres;
 
+/// The most channels that ImageJ shows together. What has more, and but one slice, is a stack whose writer was not told what its axes
+/// are: tifffile then calls them channels.
+const MOST_CHANNELS: usize = 7;
+
 /// What `description` says of the pages; `None` where it is not ImageJ's. Channels follow each other fastest, then slices, then
 /// times.
 pub(super) fn stack(description: &str, pages: &Pages) -> Option<Stack> {
@@ -21,10 +25,17 @@ pub(super) fn stack(description: &str, pages: &Pages) -> Option<Stack> {
     let (channels, frames) = (count("channels"), count("frames"));
     let others = channels.saturating_mul(frames);
     let slices = number("slices").unwrap_or(images / others).max(1);
+    let are_slices = channels > MOST_CHANNELS && slices == 1 && frames == 1;
+    let (slices, channels) = if are_slices { (channels, 1) } else { (slices, channels) };
     let unit = value("unit").map(unescaped).unwrap_or_default();
     let mut stack = Stack::plain(slices, [None; 3]);
     stack.sizes = [slices, channels, frames];
     stack.strides = [channels, 1, channels.saturating_mul(slices)];
+    if are_slices {
+        let note =
+            format!("ImageJ has no more than {MOST_CHANNELS} channels: the {slices} that the file says are slices");
+        stack.notes.push(note);
+    }
     match length(unit.trim()) {
         None => stack.spacing = pages.resolution.millimetres(),
         Some(unit) => {

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use super::bits::{BIT, Bits};
 use super::legacy_header::{Data, FRACTIONS, Header};
 use super::{Array, choose, declared};
 use crate::volume::grid::voxel_count;
@@ -53,6 +54,7 @@ fn source(path: &Path, data: &Data, is_binary: bool, array: &Array) -> Result<So
     file.seek(SeekFrom::Start(data.start)).map_err(io_error)?;
     let bytes = BufReader::new(file).take(data.bytes);
     Ok(match is_binary {
+        true if array.kind.0 == BIT => Source::Binary(Box::new(Bits::new(bytes)), ByteOrder::Big),
         true => Source::Binary(Box::new(bytes), ByteOrder::Big),
         false if array.kind.0 == FRACTIONS => Source::Fractions(Words::new(Box::new(bytes))),
         false => Source::Text(Words::new(Box::new(bytes))),

@@ -10,6 +10,7 @@ use std::str::FromStr;
 
 use glam::{DMat3, DVec3};
 
+use super::bits::{self, BIT};
 use super::{Array, Extent, Lattice, Of};
 use crate::volume::io::error::{Problem, ReadError};
 use crate::volume::io::stored::Stored;
@@ -282,7 +283,7 @@ impl Scan<'_> {
         let left = self.length.saturating_sub(start);
         let size = match (self.is_binary, kind) {
             (false, _) => None,
-            (true, "bit") => Some((count as u64).div_ceil(8)),
+            (true, BIT) => Some(bits::bytes(count as u64)),
             (true, kind) => match stored(kind) {
                 Some(stored) => Some((count as u64).saturating_mul(stored.bytes() as u64)),
                 None => return Err(ReadError::unsupported(self.path, format!("`{kind}` is not read")).byte(start)),
@@ -334,7 +335,7 @@ impl Scan<'_> {
 fn stored(name: &str) -> Option<Stored> {
     Some(match name {
         "char" | "signed_char" | "vtktypeint8" => Stored::Voxel(VoxelType::I8),
-        FRACTIONS | "unsigned_char" | "vtktypeuint8" => Stored::Voxel(VoxelType::U8),
+        BIT | FRACTIONS | "unsigned_char" | "vtktypeuint8" => Stored::Voxel(VoxelType::U8),
         "short" | "vtktypeint16" => Stored::Voxel(VoxelType::I16),
         "unsigned_short" | "vtktypeuint16" => Stored::Voxel(VoxelType::U16),
         "int" | "vtkidtype" | "vtktypeint32" => Stored::Voxel(VoxelType::I32),

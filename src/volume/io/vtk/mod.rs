@@ -1,4 +1,4 @@
-//! VTK's image data: XML (.vti) and legacy files (.vtk).
+//! VTK's image data: XML (.vti, .pvti) and legacy files (.vtk).
 //!
 //! Formats: VTK's "File Formats" (legacy 1 to 5.1, XML 0.1 to 2.x); where it says nothing, what VTK 9 writes.
 //!
@@ -6,9 +6,11 @@
 //! wherever the extent begins. Values of cells lie at the cells' centres.
 
 mod base64;
+mod bits;
 mod blocks;
 mod legacy;
 mod legacy_header;
+mod parallel;
 mod pieces;
 mod xml;
 mod xml_header;
@@ -112,7 +114,19 @@ struct Choice {
     index: usize,
     of: Of,
     stored: Stored,
+    /// Whether they are bits, eight in a byte.
+    are_bits: bool,
     components: Components,
+}
+
+impl Choice {
+    /// Bytes of so many numbers in the file.
+    fn bytes(&self, count: u64) -> u64 {
+        match self.are_bits {
+            true => bits::bytes(count),
+            false => count.saturating_mul(self.stored.bytes() as u64),
+        }
+    }
 }
 
 /// The array that `options` name. Else the active one; else the first of one number a voxel; else the first. Those of points come
@@ -138,6 +152,7 @@ fn choose(path: &Path, arrays: &[Array], options: &ReadOptions) -> Result<Choice
         index,
         of: array.of,
         stored,
+        are_bits: array.kind.0 == bits::BIT,
         components: Components::new(path, array.components, options.component)?,
     })
 }

@@ -1,4 +1,4 @@
-//! VTK XML image data (.vti).
+//! VTK XML image data (.vti), and pieces of it in files of their own (.pvti).
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -6,10 +6,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::base64::Base64;
+use super::bits::Bits;
 use super::blocks::Blocks;
+use super::parallel::{PieceFile, pieces};
 use super::pieces::{Part, in_slices};
-use super::xml_header::{Content, Header};
-use super::{Array, Choice, choose, declared};
+use super::xml_header::{Content, Header, Piece};
+use super::{Array, Choice, Extent, choose, declared};
 use crate::volume::grid::voxel_count;
 use crate::volume::io::error::{Problem, ReadError};
 use crate::volume::io::format::Format;
@@ -20,8 +22,8 @@ use crate::volume::io::vti_write;
 /// VTK XML image data among the formats.
 pub(in crate::volume::io) const FORMAT: Format = Format {
     name: "VTK XML",
-    suffixes: &[".vti"],
-    reads: "image data: ascii, base64 and raw, inline and appended; zlib, LZ4, LZMA; values of points or cells",
+    suffixes: &[".vti", ".pvti"],
+    reads: "image data: ascii, base64 and raw, inline and appended; zlib, LZ4, LZMA; values of points or cells; pieces in files",
     recognises: |probe| !probe.is_folder && !probe.has_layout && (probe.is_named(&FORMAT) || is_vtk_xml(&probe.start)),
     open: |path, options| Ok(vec![open(path, options)?]),
     writer: Some(vti_write::WRITER),
@@ -32,40 +34,48 @@ fn is_vtk_xml(start: &[u8]) -> bool {
 }
 
 fn open(path: &Path, options: &ReadOptions) -> Result<Opened, ReadError> {
-    let header = Arc::new(Header::read(path)?);
-    let Some(first) = header.pieces.first() else {
+    let header = Header::read(path)?;
+    let lattice = header.lattice;
+    let files = PieceFile::all(path, header)?;
+    let Some((_, first)) = pieces(&files).next() else {
         return Err(ReadError::header(path, "it has no Piece"));
     };
     let arrays: Vec<Array> = first.arrays.iter().map(|(array, _)| array.clone()).collect();
     let choice = choose(path, &arrays, options)?;
-    let declared = declared(FORMAT.name, &arrays, &choice, &header.lattice);
+    let declared = declared(FORMAT.name, &arrays, &choice, &lattice);
     voxel_count(declared.dims).map_err(|e| ReadError::new(path, e))?;
-    let parts = (header.pieces.iter())
-        .map(|piece| {
-            let content = content(path, piece, &arrays[choice.index])?;
-            if !header.lattice.extent.contains(&piece.extent) {
-                return Err(ReadError::header(path, "a piece lies outside the image's WholeExtent"));
-            }
-            let (extent, header, path) = (piece.extent, Arc::clone(&header), path.to_owned());
-            let open = move || scalars(&path, &header, &choice, extent.dims(choice.of), &content);
-            // What each declares is held against the file now, and it is opened again when its turn comes.
-            open().map(drop)?;
-            Ok(Part {
-                extent,
-                open: Box::new(open),
-            })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let chunks = match <[Part; 1]>::try_from(parts) {
-        Ok([part]) if part.extent == header.lattice.extent => (part.open)()?.chunks(choice.components),
-        Ok([part]) => in_slices(path, vec![part], &header.lattice.extent, &choice)?,
-        Err(parts) => in_slices(path, parts, &header.lattice.extent, &choice)?,
+    let parts = pieces(&files).map(|(file, piece)| {
+        let content = content(&file.path, piece, &arrays[choice.index])?;
+        match lattice.extent.contains(&piece.extent) {
+            true => part(file, piece.extent, &choice, content),
+            false => Err(ReadError::header(
+                &file.path,
+                "a piece lies outside the image's WholeExtent",
+            )),
+        }
+    });
+    let chunks = match <[Part; 1]>::try_from(parts.collect::<Result<Vec<_>, _>>()?) {
+        Ok([part]) if part.extent == lattice.extent => (part.open)()?.chunks(choice.components),
+        Ok([part]) => in_slices(path, vec![part], &lattice.extent, &choice)?,
+        Err(parts) => in_slices(path, parts, &lattice.extent, &choice)?,
     };
     Opened::new(path.to_owned(), declared, chunks)
 }
 
+/// The piece of `file` whose numbers are `content`. What that declares is held against the file now, and it is opened again when its
+/// turn comes.
+fn part(file: &Arc<PieceFile>, extent: Extent, choice: &Choice, content: Content) -> Result<Part, ReadError> {
+    let (file, choice) = (Arc::clone(file), *choice);
+    let open = move || scalars(&file.path, &file.header, &choice, extent.dims(choice.of), &content);
+    open().map(drop)?;
+    Ok(Part {
+        extent,
+        open: Box::new(open),
+    })
+}
+
 /// Where the data of the piece's array is that is like `wanted`.
-fn content(path: &Path, piece: &super::xml_header::Piece, wanted: &Array) -> Result<Content, ReadError> {
+fn content(path: &Path, piece: &Piece, wanted: &Array) -> Result<Content, ReadError> {
     let is_it = |array: &Array| array.of == wanted.of && array.name == wanted.name && array.kind == wanted.kind;
     let found = (piece.arrays.iter()).find(|(array, _)| is_it(array) && array.components == wanted.components);
     match found {
@@ -87,7 +97,7 @@ fn scalars(
 ) -> Result<Scalars, ReadError> {
     let count = voxel_count(dims).map_err(|e| ReadError::new(path, e))?;
     let count = count.saturating_mul(choice.components.count());
-    let expected = (count as u64).saturating_mul(choice.stored.bytes() as u64);
+    let expected = choice.bytes(count as u64);
     let io_error = |e| ReadError::io(path, e);
     let mut file = File::open(path).map_err(io_error)?;
     let length = file.metadata().map_err(io_error)?.len();
@@ -127,6 +137,11 @@ fn scalars(
             Err(ReadError::header(path, what).byte(start))
         }
         (_, bytes) => {
+            let bytes = if choice.are_bits {
+                Box::new(Bits::new(bytes))
+            } else {
+                bytes
+            };
             let source = Source::Binary(bytes, header.words.order);
             Ok(Scalars::new(path.to_owned(), choice.stored, count, source))
         }

@@ -14,6 +14,7 @@ use quick_xml::Reader;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 
+use super::bits::BIT;
 use super::{Array, Extent, Lattice, Of};
 use crate::volume::io::error::ReadError;
 use crate::volume::io::stored::{ByteOrder, Stored};
@@ -92,6 +93,8 @@ pub(super) struct Header {
     pub compressor: Option<Compressor>,
     pub lattice: Lattice,
     pub pieces: Vec<Piece>,
+    /// Of a parallel file, the files of its pieces.
+    pub sources: Vec<String>,
     pub appended: Option<Appended>,
 }
 
@@ -104,6 +107,7 @@ impl Header {
             file: None,
             lattice: None,
             pieces: Vec::new(),
+            sources: Vec::new(),
             of: None,
             active: None,
             appended: None,
@@ -117,6 +121,7 @@ impl Header {
             compressor,
             lattice: parser.lattice.ok_or_else(|| missing("ImageData element"))?,
             pieces: parser.pieces,
+            sources: parser.sources,
             appended: parser.appended,
         })
     }
@@ -128,6 +133,7 @@ struct Parser<'a> {
     file: Option<(Words, Option<Compressor>)>,
     lattice: Option<Lattice>,
     pieces: Vec<Piece>,
+    sources: Vec<String>,
     /// What the arrays that follow belong to.
     of: Option<Of>,
     /// The one of them that is meant.
@@ -165,11 +171,14 @@ impl Parser<'_> {
         };
         match element.element.name().as_ref() {
             "VTKFile" => self.file = Some(file(&element)?),
-            "ImageData" => self.lattice = Some(lattice(&element)?),
-            "Piece" => self.pieces.push(Piece {
-                extent: element.extent("Extent")?,
-                arrays: Vec::new(),
-            }),
+            "ImageData" | "PImageData" => self.lattice = Some(lattice(&element)?),
+            "Piece" => match element.get("Source")? {
+                Some(source) => self.sources.push(source),
+                None => self.pieces.push(Piece {
+                    extent: element.extent("Extent")?,
+                    arrays: Vec::new(),
+                }),
+            },
             "PointData" => self.enter(Of::Points, &element, has_content)?,
             "CellData" => self.enter(Of::Cells, &element, has_content)?,
             "DataArray" => self.array(&element, has_content)?,
@@ -201,7 +210,7 @@ impl Parser<'_> {
             return Ok(());
         };
         let name = element.get("Name")?.unwrap_or_default();
-        let kind = element.get("type")?.unwrap_or_default();
+        let kind = element.get("type")?.unwrap_or_default().to_ascii_lowercase();
         let array = Array {
             of,
             is_active: self.active.as_ref() == Some(&name),
@@ -260,26 +269,26 @@ impl Parser<'_> {
     }
 }
 
-/// The type that VTK calls `name`.
+/// The type that VTK calls `name`, in lower case.
 fn stored(name: &str) -> Option<Stored> {
     Some(match name {
-        "Int8" => Stored::Voxel(VoxelType::I8),
-        "UInt8" => Stored::Voxel(VoxelType::U8),
-        "Int16" => Stored::Voxel(VoxelType::I16),
-        "UInt16" => Stored::Voxel(VoxelType::U16),
-        "Int32" => Stored::Voxel(VoxelType::I32),
-        "UInt32" => Stored::Voxel(VoxelType::U32),
-        "Int64" => Stored::I64,
-        "UInt64" => Stored::U64,
-        "Float32" => Stored::Voxel(VoxelType::F32),
-        "Float64" => Stored::Voxel(VoxelType::F64),
+        "int8" => Stored::Voxel(VoxelType::I8),
+        BIT | "uint8" => Stored::Voxel(VoxelType::U8),
+        "int16" => Stored::Voxel(VoxelType::I16),
+        "uint16" => Stored::Voxel(VoxelType::U16),
+        "int32" => Stored::Voxel(VoxelType::I32),
+        "uint32" => Stored::Voxel(VoxelType::U32),
+        "int64" => Stored::I64,
+        "uint64" => Stored::U64,
+        "float32" => Stored::Voxel(VoxelType::F32),
+        "float64" => Stored::Voxel(VoxelType::F64),
         _ => return None,
     })
 }
 
 fn file(element: &Element) -> Result<(Words, Option<Compressor>), ReadError> {
     match element.get("type")?.as_deref() {
-        Some("ImageData") => {}
+        Some("ImageData" | "PImageData") => {}
         kind => {
             let what = format!("it is VTK's `{}`, no image", kind.unwrap_or_default());
             return Err(ReadError::unsupported(element.path, what).hint("resample it to an image (vtkResampleToImage)"));

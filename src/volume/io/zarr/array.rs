@@ -9,6 +9,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::codec::{Chain, Codec};
+use super::filters::filter;
 use super::json::{Document, Named};
 use crate::volume::grid::Voxels;
 use crate::volume::io::error::ReadError;
@@ -199,19 +200,20 @@ impl Array {
             Some(known) => known,
             None => return Err(document.unsupported(format!("elements of type {}", fields.dtype))),
         };
-        if fields.filters.is_some_and(|filters| !filters.is_empty()) {
-            return Err(document.unsupported("filters before the compressor"));
-        }
+        let filters = fields.filters.as_deref().unwrap_or_default();
+        let mut codecs: Vec<Codec> = filters
+            .iter()
+            .map(|described| filter(document, described, &fields.dtype, (element, order)))
+            .collect::<Result<_, _>>()?;
         let axes: Vec<usize> = (0..fields.shape.len()).collect();
         let axes = match fields.order.as_str() {
             "C" => axes,
             "F" => axes.into_iter().rev().collect(),
             other => return Err(document.wrong(format!("`order` is `{other}`, not C or F"))),
         };
-        let codecs = match &fields.compressor {
-            None => Vec::new(),
-            Some(compressor) => vec![compressor_version_2(document, compressor)?],
-        };
+        if let Some(compressor) = &fields.compressor {
+            codecs.push(compressor_version_2(document, compressor)?);
+        }
         Ok(Self {
             path: folder.to_owned(),
             names: vec![None; fields.shape.len()],

@@ -42,6 +42,10 @@ pub(super) enum Codec {
     Blosc,
     /// A CRC-32C behind the bytes.
     Crc32c,
+    /// The first bytes of all elements of so many, then all second ones, …
+    Shuffle(usize),
+    /// Integers of so many bytes in this order, each less the one before it.
+    Delta(usize, ByteOrder),
 }
 
 impl Chain {
@@ -147,6 +151,8 @@ impl Codec {
             Self::Lz4 => lz4(&bytes, most),
             Self::Blosc => blosc::decode(&bytes, most),
             Self::Crc32c => checked(bytes),
+            Self::Shuffle(size) => Ok(unshuffled(&bytes, size)),
+            Self::Delta(size, order) => Ok(summed(bytes, size, order)),
         }
     }
 }
@@ -187,7 +193,46 @@ fn checked(mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The bytes of elements of `size`, element after element. Bytes that make no whole element stay at the end.
+fn unshuffled(bytes: &[u8], size: usize) -> Vec<u8> {
+    let count = bytes.len() / size;
+    let (planes, rest) = bytes.split_at(count * size);
+    let elements = (0..count).flat_map(|i| (0..size).map(move |byte| planes[byte * count + i]));
+    elements.chain(rest.iter().copied()).collect()
+}
+
+/// The integers of `size` bytes whose differences `bytes` are.
+fn summed(mut bytes: Vec<u8>, size: usize, order: ByteOrder) -> Vec<u8> {
+    let mut sum = 0_u64;
+    for element in bytes.chunks_exact_mut(size) {
+        let shifted = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+        let difference = match order {
+            ByteOrder::Little => element.iter().rev().fold(0, shifted),
+            ByteOrder::Big => element.iter().fold(0, shifted),
+        };
+        sum = sum.wrapping_add(difference);
+        match order {
+            ByteOrder::Little => element.copy_from_slice(&sum.to_le_bytes()[..size]),
+            ByteOrder::Big => element.copy_from_slice(&sum.to_be_bytes()[8 - size..]),
+        }
+    }
+    bytes
+}
+
 /// The error for compressed bytes that are wrong.
 pub(super) fn damaged(what: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_are_undone() {
+        assert_eq!(unshuffled(&[1, 3, 5, 2, 4, 6, 7], 2), [1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(summed(vec![255, 0, 2, 0, 9], 2, ByteOrder::Little), [255, 0, 1, 1, 9]);
+        assert_eq!(summed(vec![0, 255, 0, 2], 2, ByteOrder::Big), [0, 255, 1, 1]);
+        assert_eq!(summed(vec![1, 255, 255], 1, ByteOrder::Big), [1, 0, 255]);
+    }
 }

@@ -7,6 +7,7 @@ mod array;
 mod blosc;
 mod chunks;
 mod codec;
+mod filters;
 mod image;
 mod json;
 mod listing;
@@ -190,7 +191,7 @@ fn selection(array: &Array, axes: &[Axis], options: &ReadOptions) -> Result<Sele
     for (axis, size) in array.shape.iter().enumerate() {
         let (asked, what, option) = match axes[axis].kind {
             Kind::Space => continue,
-            Kind::Time => (options.frame, "frames", "--frame"),
+            Kind::Time => (options.frame, "frames", "--volume-frame"),
             Kind::Channel => (options.component, "channels", "--component"),
             Kind::Other if *size == 1 => continue,
             Kind::Other => {
