@@ -10,7 +10,7 @@ use vcsg::model::{BooleanOp, Family, Model, Node, ValueRule};
 use vcsg::projection::levels::{Zone, Zones, footprint};
 use vcsg::projection::raycast::{self, CastTarget};
 use vcsg::projection::{Camera, ControlPoint, FrameSpec, LevelsFrame, LevelsSpec, Mode, Settings, TransferFunction};
-use vcsg::render::{PagedTarget, SliceRenderer, soft_normals};
+use vcsg::render::{PagedTarget, SliceRenderer, plan, soft_normals};
 use vcsg::target::{Levels, Subdivision, Target};
 use vcsg::voxelize::{Primitive, Solid};
 
@@ -135,7 +135,9 @@ fn draw_spec(renderer: &mut SliceRenderer, spec: &FrameSpec) -> Frame {
     let normals = soft_normals(spec);
     let device = std::sync::Arc::clone(renderer.device());
     let paged = PagedTarget::new(&device, spec.target, normals.as_ref(), &mut |_| {}).expect("a target on the device");
-    renderer.draw(spec, &paged, &[]).expect("a frame").0
+    // (What is planned slab by slab is in other boxes, and so rounded otherwise.)
+    let plan = plan(spec, &paged);
+    renderer.draw_plan(spec, &paged, &plan, &[]).expect("a frame").0
 }
 
 /// A frame whose levels switch where zones meet: each zone's own level alone.
