@@ -10,7 +10,7 @@
 //! *Practice.* Coordinates are of the unit box; a box of the lattice is its scale and translation. All cubes, whatever their
 //! size, have templates that differ only by scale.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// Most vertices of the polygon in which a plane meets a box.
 pub const MAX_VERTICES: usize = 6;
@@ -39,7 +39,7 @@ impl MovingVertex {
 pub struct Segment {
     /// Where the segment ends, millimetres behind the nearest corner.
     pub end_mm: f64,
-    /// Three to six vertices, in order round the polygon.
+    /// Three to six vertices, in order round the polygon, the first in the middle of the best fan.
     pub vertices: Vec<MovingVertex>,
 }
 
@@ -92,7 +92,8 @@ fn unit_corner(index: usize) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|a| (index >> a & 1) as f64))
 }
 
-/// The vertices on the edges that cross depth `t`, ordered round their middle as the eye sees them.
+/// The vertices on the edges that cross depth `t`, ordered round their middle as the eye sees them. The first is the one from which
+/// a fan has the shortest diagonals.
 fn polygon(corner_depths: &[f64; 8], t: f64, eye_from_unit: &DMat3) -> Vec<MovingVertex> {
     let mut vertices: Vec<MovingVertex> = (0..8usize)
         .flat_map(|a| [1, 2, 4].map(|bit| (a, a | bit)))
@@ -105,7 +106,18 @@ fn polygon(corner_depths: &[f64; 8], t: f64, eye_from_unit: &DMat3) -> Vec<Movin
         seen.y.atan2(seen.x)
     };
     vertices.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    let seen: Vec<DVec2> = vertices.iter().map(|v| (*eye_from_unit * v.at(t)).truncate()).collect();
+    let shortest = (0..seen.len()).min_by(|a, b| diagonals(&seen, *a).total_cmp(&diagonals(&seen, *b)));
+    vertices.rotate_left(shortest.unwrap_or(0));
     vertices
+}
+
+/// The length of all diagonals from a vertex, across and down: so many squares of pixels are drawn on twice where two triangles of
+/// the fan meet.
+fn diagonals(polygon: &[DVec2], from: usize) -> f64 {
+    let n = polygon.len();
+    let to = (2..n.saturating_sub(1)).map(|step| (polygon[(from + step) % n] - polygon[from]).abs());
+    to.map(|way| way.x + way.y).sum()
 }
 
 fn on_edge(a: usize, b: usize, corner_depths: &[f64; 8]) -> MovingVertex {

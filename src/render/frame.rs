@@ -120,6 +120,26 @@ pub fn vertices(plan: &SlicePlan) -> Vec<MovingVertexData> {
         .collect()
 }
 
+/// Slices whose vertices are numbered from one base: every device takes numbers of 24 bits.
+pub const BASE_SLICES: usize = 1 << 20;
+
+const _: () = assert!(BASE_SLICES * (MAX_VERTICES as usize) < 1 << 24);
+
+/// The triangles of a plan's slices, a fan for each: the vertices of all, of which each slice has [`MAX_VERTICES`] numbers from the
+/// base of [`BASE_SLICES`] on, and where those of each slice begin and the last ones end.
+pub fn fans(plan: &SlicePlan) -> (Vec<u32>, Vec<u32>) {
+    let mut indices = Vec::with_capacity(3 * (MAX_VERTICES as usize - 2) * plan.slices.len());
+    let mut begins = vec![0];
+    for (n, slice) in plan.slices.iter().enumerate() {
+        let template = &plan.templates[plan.boxes[slice.slice_box as usize].template as usize];
+        let corners = template.segment(slice.t_mm).map_or(0, |segment| segment.vertices.len()) as u32;
+        let first = (n % BASE_SLICES) as u32 * MAX_VERTICES;
+        indices.extend((2..corners).flat_map(|corner| [first, first + corner - 1, first + corner]));
+        begins.push(indices.len() as u32);
+    }
+    (indices, begins)
+}
+
 /// The slices of a plan.
 pub fn slices(plan: &SlicePlan) -> Vec<SliceData> {
     let counts = plan.templates.iter().map(|template| template.segments.len());

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::depths::DepthScale;
-use super::frame;
+use super::frame::{self, BASE_SLICES};
 use super::layers::{Layers, Meeting, Order};
 use super::mesh::{ShownMesh, mesh_bounds};
 use super::pages::{Page, PagedTarget};
@@ -14,30 +14,13 @@ use super::slices::{Accumulated, SliceRenderer, TABLE_FORMAT};
 use super::submissions::{SUBMISSION_FRAGMENTS, Submissions};
 use super::surfaces::{Shown, Surfaces};
 use crate::gpu::{
-    Binding, Bindings, Buffer, BufferRole, Device, Draw, Elements, Extent, GpuError, GraphicsPipeline, Image,
-    ImageRole, Push, Recording,
+    Binding, Bindings, Buffer, BufferRole, Device, Draw, Elements, Extent, GpuError, Image, ImageRole, Push, Recording,
 };
 use crate::image::Frame;
 use crate::interface::{MAX_VERTICES, TABLE_LEN};
 use crate::math::Aabb;
 use crate::projection::{FrameSpec, SlicePlan, bands, eye_from_lattice};
 use crate::surface::SurfaceView;
-
-/// A fan of four triangles over six vertices.
-const FAN: [u32; 12] = [0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5];
-
-const _: () = assert!(FAN.len() == 3 * (MAX_VERTICES as usize - 2));
-
-/// Most slices of a draw. (An instance a slice would want fewer indices, but six vertices fill no wave of a graphics card; lavapipe
-/// draws both equally fast.)
-const DRAW_SLICES: u32 = 4096;
-
-/// The indices of a draw: a fan for each of its slices.
-pub fn fans() -> Vec<u32> {
-    (0..DRAW_SLICES)
-        .flat_map(|slice| FAN.map(|vertex| MAX_VERTICES * slice + vertex))
-        .collect()
-}
 
 /// A frame that is being drawn on the device.
 pub struct Job {
@@ -83,14 +66,17 @@ impl Job {
         if plan.slices.is_empty() {
             return Ok(());
         }
-        let bindings = self.shared.bind(renderer, spec, paged, plan)?;
+        let bound = Bound {
+            bindings: self.shared.bind(renderer, spec, paged, plan)?,
+            fans: Fans::new(&renderer.device, plan)?,
+        };
         let mut drawn: Option<Range<usize>> = None;
         for band in bands::ranges(plan) {
             if let Some(before) = drawn {
                 self.close(bands::seen_px(plan, before));
             }
             for (part, fragments) in parts(plan, band.clone()) {
-                let draws = draws(renderer, spec, paged, plan, part, self.shared.meeting, &bindings)?;
+                let draws = draws(renderer, spec, paged, plan, part, self.shared.meeting, &bound)?;
                 self.submissions.render(self.layers.go_on(draws), fragments);
             }
             drawn = Some(band);
@@ -228,7 +214,41 @@ impl Shared {
     }
 }
 
-/// A draw for each run of slices of one page, or several if it is long.
+/// What the slices of a plan read and are drawn by.
+struct Bound {
+    /// Of each page.
+    bindings: Vec<Arc<Bindings>>,
+    fans: Fans,
+}
+
+/// The triangles of slices, on the device.
+struct Fans {
+    indices: Arc<Buffer>,
+    /// Where those of each slice begin, and where the last ones end.
+    begins: Vec<u32>,
+}
+
+impl Fans {
+    fn new(device: &Arc<Device>, plan: &SlicePlan) -> Result<Self, GpuError> {
+        let (indices, begins) = frame::fans(plan);
+        Ok(Self {
+            indices: Buffer::with_data(device, "fans", &indices)?,
+            begins,
+        })
+    }
+
+    /// Those of slices that have one base.
+    fn of(&self, slices: Range<usize>) -> Elements {
+        let base = slices.start - slices.start % BASE_SLICES;
+        Elements::Indices {
+            buffer: Arc::clone(&self.indices),
+            range: self.begins[slices.start]..self.begins[slices.end],
+            base_vertex: (MAX_VERTICES as usize * base) as i32,
+        }
+    }
+}
+
+/// A draw for each run of slices of one page.
 fn draws(
     renderer: &mut SliceRenderer,
     spec: &FrameSpec,
@@ -236,7 +256,7 @@ fn draws(
     plan: &SlicePlan,
     part: Range<usize>,
     meeting: Meeting,
-    bindings: &[Arc<Bindings>],
+    bound: &Bound,
 ) -> Result<Vec<Draw>, GpuError> {
     let page_of = |n: usize| {
         let slice_box = &plan.boxes[plan.slices[n].slice_box as usize];
@@ -247,28 +267,20 @@ fn draws(
     while begin < part.end {
         let page = page_of(begin);
         let mut end = begin + 1;
-        while end < part.end && end - begin < DRAW_SLICES as usize && page_of(end) == page {
+        while end < part.end && !end.is_multiple_of(BASE_SLICES) && page_of(end) == page {
             end += 1;
         }
         let texels = paged.pages[page].texels;
         let pipeline = renderer.pipelines.slices(&renderer.device, spec, texels, meeting)?;
-        draws.push(draw(&renderer.fans, pipeline, &bindings[page], begin..end));
+        draws.push(Draw {
+            pipeline,
+            bindings: Some(Arc::clone(&bound.bindings[page])),
+            push: Push::NONE,
+            stream: None,
+            elements: bound.fans.of(begin..end),
+            instances: 0..1,
+        });
         begin = end;
     }
     Ok(draws)
-}
-
-fn draw(fans: &Arc<Buffer>, pipeline: Arc<GraphicsPipeline>, bindings: &Arc<Bindings>, slices: Range<usize>) -> Draw {
-    Draw {
-        pipeline,
-        bindings: Some(Arc::clone(bindings)),
-        push: Push::NONE,
-        stream: None,
-        elements: Elements::Indices {
-            buffer: Arc::clone(fans),
-            range: 0..(FAN.len() * slices.len()) as u32,
-            base_vertex: (MAX_VERTICES as usize * slices.start) as i32,
-        },
-        instances: 0..1,
-    }
 }

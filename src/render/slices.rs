@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::depths::DepthScale;
-use super::job::{self, Job, read_back};
+use super::job::{Job, read_back};
 use super::layers::Order;
 use super::mesh::{ShownMesh, mesh_bounds};
 use super::pages::{FORMATS, PagedTarget};
 use super::pipelines::Pipelines;
 use super::submissions::Submissions;
 use super::surfaces::{Shown, Surfaces};
-use crate::gpu::{Buffer, Device, Filter, Format, GpuError, Requirements, Sampler};
+use crate::gpu::{Device, Filter, Format, GpuError, Requirements, Sampler};
 use crate::image::{Frame, Rgba};
 use crate::interface::TABLE_LEN;
 use crate::projection::{
@@ -93,7 +93,6 @@ pub struct SliceRenderer {
     pub(super) device: Arc<Device>,
     pub(super) linear: Arc<Sampler>,
     pub(super) nearest: Arc<Sampler>,
-    pub(super) fans: Arc<Buffer>,
     pub(super) pipelines: Pipelines,
 }
 
@@ -115,7 +114,6 @@ impl SliceRenderer {
             device: Arc::clone(device),
             linear: Sampler::new(device, Filter::Linear)?,
             nearest: Sampler::new(device, Filter::Nearest)?,
-            fans: Buffer::with_data(device, "fans", &job::fans())?,
             pipelines: Pipelines::default(),
         })
     }
