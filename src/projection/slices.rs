@@ -63,7 +63,7 @@ impl SlicePlan {
         Planner::new(&visibility.target.lattice, camera, planes).plan(visibility)
     }
 
-    /// Adds another plan of the same frame behind this one, from whose nearest slices it is cut off at `face_mm`.
+    /// Adds a plan of the same frame whose slices all lie behind those of this one, in a band of its own that begins at `face_mm`.
     pub fn append(&mut self, face_mm: f64, mut behind: Self) {
         let (boxes, templates) = (self.boxes.len() as u32, self.templates.len() as u32);
         behind.boxes.iter_mut().for_each(|b| b.template += templates);
