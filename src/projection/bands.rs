@@ -23,7 +23,7 @@ const COUNT: usize = 10;
 /// A plan is cut if a ray can end in this part of the way through it; later it saves less than bands cost.
 const SOON: f64 = 0.25;
 
-/// Planes of a slab while all of the frame is open.
+/// Planes of a slab while all of the frame is open. On lavapipe a head with opaque skin in 512² pixels drew equally fast with 12, 16 and 24.
 const SLAB_PLANES: i64 = 16;
 
 /// The most planes of a slab.
