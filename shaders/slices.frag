@@ -82,10 +82,6 @@ void main() {
     vec4 c = TEXELS == TEXELS_COLORS
         ? colored(stored, path_per_depth)
         : classify(MIXED ? weighted / max(coverage, 1e-6) : weighted, path_per_depth);
-    // What shows nothing need not be blended, nor lit.
-    if (c.a == 0.0) {
-        discard;
-    }
     if (MODE == MODE_XRAY) {
         color = vec4(c.a * coverage);
         return;

@@ -33,6 +33,8 @@ impl Sampler {
         };
         let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
         let info = vk::SamplerCreateInfo::default().mag_filter(filter).min_filter(filter);
+        // No least detailed level is named: lavapipe then sees at once that there is but one, and looks for none at each fetch.
+        let info = info.max_lod(vk::LOD_CLAMP_NONE);
         let info = info.address_mode_u(edge).address_mode_v(edge).address_mode_w(edge);
         // SAFETY: the device is alive and the info whole.
         let raw = unsafe { device.raw().create_sampler(&info, None) }.map_err(GpuError::vulkan("create a sampler"))?;
