@@ -13,6 +13,8 @@ pub(super) enum Use {
     Sample,
     ReadUniform,
     ReadStorage,
+    /// By fragment shaders.
+    WriteStorage,
     ReadVertices,
     ReadIndices,
     DrawInto,
@@ -25,6 +27,7 @@ impl Use {
         match self {
             Self::CopyFrom | Self::CopyInto => Stage::COPY,
             Self::Sample | Self::ReadUniform | Self::ReadStorage => Stage::VERTEX_SHADER | Stage::FRAGMENT_SHADER,
+            Self::WriteStorage => Stage::FRAGMENT_SHADER,
             Self::ReadVertices => Stage::VERTEX_ATTRIBUTE_INPUT,
             Self::ReadIndices => Stage::INDEX_INPUT,
             Self::DrawInto => Stage::COLOR_ATTACHMENT_OUTPUT,
@@ -40,6 +43,7 @@ impl Use {
             Self::Sample => Access::SHADER_SAMPLED_READ,
             Self::ReadUniform => Access::UNIFORM_READ,
             Self::ReadStorage => Access::SHADER_STORAGE_READ,
+            Self::WriteStorage => Access::SHADER_STORAGE_WRITE,
             Self::ReadVertices => Access::VERTEX_ATTRIBUTE_READ,
             Self::ReadIndices => Access::INDEX_READ,
             Self::DrawInto => Access::COLOR_ATTACHMENT_READ | Access::COLOR_ATTACHMENT_WRITE,
@@ -60,7 +64,10 @@ impl Use {
     }
 
     pub(super) fn writes(self) -> bool {
-        matches!(self, Self::CopyInto | Self::DrawInto | Self::TestDepth)
+        matches!(
+            self,
+            Self::CopyInto | Self::WriteStorage | Self::DrawInto | Self::TestDepth
+        )
     }
 }
 
@@ -208,6 +215,15 @@ mod tests {
         let mut state = State::default();
         assert_eq!(state.use_buffer(Use::CopyFrom), None);
         assert_eq!(state.use_buffer(Use::ReadVertices), None);
+    }
+
+    #[test]
+    fn what_shaders_wrote_is_made_visible_to_the_host() {
+        let mut state = State::default();
+        assert_eq!(state.use_buffer(Use::WriteStorage), None);
+        let barrier = state.use_buffer(Use::ReadOnHost).expect("read after write");
+        assert_eq!(barrier.from, Scope::of(Use::WriteStorage));
+        assert_eq!(barrier.to, Scope::of(Use::ReadOnHost));
     }
 
     #[test]

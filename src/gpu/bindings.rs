@@ -16,6 +16,8 @@ pub enum BindingKind {
     Uniform,
     /// A `readonly buffer` structure (std430).
     Storage,
+    /// A `writeonly buffer` structure (std430) of fragment shaders; see [`Feature::FragmentStores`](super::Feature::FragmentStores).
+    WrittenStorage,
 }
 
 /// One binding.
@@ -27,6 +29,8 @@ pub enum Binding {
     Uniform(Arc<Buffer>),
     /// A buffer read as storage data, whole.
     Storage(Arc<Buffer>),
+    /// A buffer written as storage data, whole.
+    WrittenStorage(Arc<Buffer>),
 }
 
 impl Binding {
@@ -36,6 +40,7 @@ impl Binding {
             Self::SampledImage(..) => BindingKind::SampledImage,
             Self::Uniform(_) => BindingKind::Uniform,
             Self::Storage(_) => BindingKind::Storage,
+            Self::WrittenStorage(_) => BindingKind::WrittenStorage,
         }
     }
 
@@ -45,7 +50,9 @@ impl Binding {
         let (buffer, what, limit) = match self {
             Self::SampledImage(..) => return Ok(()),
             Self::Uniform(buffer) => (buffer, "bytes of uniform data", limits.uniform_bytes),
-            Self::Storage(buffer) => (buffer, "bytes of storage data", limits.storage_bytes),
+            Self::Storage(buffer) | Self::WrittenStorage(buffer) => {
+                (buffer, "bytes of storage data", limits.storage_bytes)
+            }
         };
         let (label, asked, limit) = (buffer.label().to_owned(), buffer.bytes(), u64::from(limit));
         if asked > limit {
@@ -63,7 +70,7 @@ impl Binding {
     fn is_on(&self, device: &Device) -> bool {
         match self {
             Self::SampledImage(image, _) => image.is_on(device),
-            Self::Uniform(buffer) | Self::Storage(buffer) => buffer.is_on(device),
+            Self::Uniform(buffer) | Self::Storage(buffer) | Self::WrittenStorage(buffer) => buffer.is_on(device),
         }
     }
 }
@@ -73,7 +80,7 @@ impl BindingKind {
         match self {
             Self::SampledImage => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
             Self::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
-            Self::Storage => vk::DescriptorType::STORAGE_BUFFER,
+            Self::Storage | Self::WrittenStorage => vk::DescriptorType::STORAGE_BUFFER,
         }
     }
 
@@ -83,6 +90,7 @@ impl BindingKind {
             Self::SampledImage => Use::Sample,
             Self::Uniform => Use::ReadUniform,
             Self::Storage => Use::ReadStorage,
+            Self::WrittenStorage => Use::WriteStorage,
         }
     }
 }
@@ -149,7 +157,7 @@ impl Bindings {
                 image = [info.image_layout(Use::Sample.layout())];
                 write.image_info(&image)
             }
-            Binding::Uniform(data) | Binding::Storage(data) => {
+            Binding::Uniform(data) | Binding::Storage(data) | Binding::WrittenStorage(data) => {
                 buffer = [vk::DescriptorBufferInfo::default()
                     .buffer(data.raw())
                     .range(vk::WHOLE_SIZE)];

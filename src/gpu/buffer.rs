@@ -15,7 +15,7 @@ use super::{Device, GpuError};
 pub enum BufferRole {
     /// The host writes; the device copies from it, or reads vertices, indices, uniform or storage data.
     Upload,
-    /// The device copies into it; the host reads.
+    /// The device copies into it, or shaders write storage data; the host reads.
     Readback,
     /// The device's own: filled by copies, then read as vertices, indices, uniform or storage data.
     Device,
@@ -220,7 +220,7 @@ fn usage(role: BufferRole) -> vk::BufferUsageFlags {
     let shader = U::VERTEX_BUFFER | U::INDEX_BUFFER | U::UNIFORM_BUFFER | U::STORAGE_BUFFER;
     match role {
         BufferRole::Upload => U::TRANSFER_SRC | shader,
-        BufferRole::Readback => U::TRANSFER_DST,
+        BufferRole::Readback => U::TRANSFER_DST | U::STORAGE_BUFFER,
         BufferRole::Device => U::TRANSFER_SRC | U::TRANSFER_DST | shader,
     }
 }

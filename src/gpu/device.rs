@@ -186,10 +186,12 @@ fn create(
         .dynamic_rendering(true)
         .maintenance4(true)
         .synchronization2(true);
-    let independent_blend = needs.features.contains(&Feature::IndependentBlend);
+    let needed = |feature| needs.features.contains(&feature);
     // Robust access makes an index beyond its buffer harmless, so that callers need no `unsafe`.
     let features = vk::PhysicalDeviceFeatures::default().robust_buffer_access(true);
-    let features = features.independent_blend(independent_blend);
+    let features = features
+        .independent_blend(needed(Feature::IndependentBlend))
+        .fragment_stores_and_atomics(needed(Feature::FragmentStores));
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_features(&features);

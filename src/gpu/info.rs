@@ -24,6 +24,8 @@ pub struct Requirements<'a> {
 pub enum Feature {
     /// Each colour target of a pipeline may blend in its own way.
     IndependentBlend,
+    /// Fragment shaders may write into buffers.
+    FragmentStores,
 }
 
 /// The sort of a device, best first.
@@ -229,7 +231,10 @@ fn missing_features(instance: &Instance, device: vk::PhysicalDevice, features: &
         .push_next(&mut v13);
     // SAFETY: `device` is of this instance and supports 1.3, to which the chained structures belong.
     unsafe { instance.raw().get_physical_device_features2(device, &mut all) };
-    let independent = all.features.independent_blend;
+    let (independent, stores) = (
+        all.features.independent_blend,
+        all.features.fragment_stores_and_atomics,
+    );
     let core = [
         ("timelineSemaphore", v12.timeline_semaphore),
         ("dynamicRendering", v13.dynamic_rendering),
@@ -238,6 +243,7 @@ fn missing_features(instance: &Instance, device: vk::PhysicalDevice, features: &
     ];
     let asked = features.iter().map(|feature| match feature {
         Feature::IndependentBlend => ("independentBlend", independent),
+        Feature::FragmentStores => ("fragmentStoresAndAtomics", stores),
     });
     let absent = core.into_iter().chain(asked).filter(|&(_, has)| has == vk::FALSE);
     absent.map(|(name, _)| format!("the feature {name}")).collect()

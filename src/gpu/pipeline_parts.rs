@@ -22,6 +22,8 @@ pub enum Blend {
 /// How a fragment meets the depth that is held for its pixel; smaller is nearer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
+    /// It is drawn anyhow, and what is held stays.
+    Ignore,
     /// It is drawn where it is nearer.
     Test,
     /// It is drawn where it is nearer, and its depth is held from then on.
@@ -139,7 +141,7 @@ pub(super) fn blend_state(blend: Option<Blend>) -> vk::PipelineColorBlendAttachm
 /// The fixed-function state of `depth`.
 pub(super) fn depth_state(depth: Option<Depth>) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     vk::PipelineDepthStencilStateCreateInfo::default()
-        .depth_test_enable(depth.is_some())
+        .depth_test_enable(matches!(depth, Some(Depth::Test | Depth::TestAndHold)))
         .depth_write_enable(depth == Some(Depth::TestAndHold))
         .depth_compare_op(vk::CompareOp::LESS)
 }

@@ -112,7 +112,7 @@ impl Tracker {
         }
         bindings.entries().iter().try_for_each(|entry| match entry {
             Binding::SampledImage(image, _) => self.image(image, Use::Sample),
-            Binding::Uniform(buffer) | Binding::Storage(buffer) => {
+            Binding::Uniform(buffer) | Binding::Storage(buffer) | Binding::WrittenStorage(buffer) => {
                 self.buffer(buffer, entry.kind().usage());
                 Ok(())
             }

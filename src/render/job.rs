@@ -73,7 +73,7 @@ impl Job {
         let mut drawn: Option<Range<usize>> = None;
         for band in bands::ranges(plan) {
             if let Some(before) = drawn {
-                self.close(bands::seen_px(plan, before));
+                self.close(bands::seen_px(plan, before), None);
             }
             for (part, fragments) in parts(plan, band.clone()) {
                 let draws = draws(renderer, spec, paged, plan, part, self.shared.meeting, &bound)?;
@@ -84,9 +84,10 @@ impl Job {
         Ok(())
     }
 
-    /// Closes pixels in a part of the frame, if pixels are closed at all.
-    pub fn close(&mut self, seen_px: [DVec2; 2]) {
-        if let Some(pass) = self.layers.close(seen_px) {
+    /// Closes pixels in a part of the frame, if pixels are closed at all, and then draws a `look`.
+    pub fn close(&mut self, seen_px: [DVec2; 2], look: Option<Draw>) {
+        if let Some(mut pass) = self.layers.close(seen_px) {
+            pass.draws.extend(look);
             self.submissions.last().render(pass);
         }
     }

@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::pipelines::Pipelines;
 use super::slices::{SliceRenderer, TARGET_FORMAT};
 use crate::gpu::{
     Binding, Bindings, Blend, DEPTH_FORMAT, DepthTarget, Device, Draw, Elements, Extent, GpuError, GraphicsPipeline,
@@ -25,7 +24,14 @@ pub struct Layers {
     /// What slices stop at, if there is anything: meshes, and closed pixels.
     depth: Option<Arc<Image>>,
     /// Closes pixels, if there are several bands.
-    close: Option<Draw>,
+    close: Option<Close>,
+}
+
+/// What closes pixels.
+struct Close {
+    pipeline: Arc<GraphicsPipeline>,
+    /// With what is accumulated.
+    bindings: Arc<Bindings>,
 }
 
 /// The order that slices are drawn in.
@@ -68,6 +74,17 @@ impl Meeting {
     }
 }
 
+impl Close {
+    fn new(renderer: &mut SliceRenderer, accumulated: &Arc<Image>) -> Result<Self, GpuError> {
+        let device = Arc::clone(&renderer.device);
+        let entry = Binding::SampledImage(Arc::clone(accumulated), Arc::clone(&renderer.nearest));
+        Ok(Self {
+            pipeline: renderer.pipelines.close(&device)?,
+            bindings: Bindings::new(&device, "close", &[entry])?,
+        })
+    }
+}
+
 impl Layers {
     /// Images for a frame of `width` by `height` pixels, in which pixels are closed if `order` says so, among meshes of depths `meshes`.
     pub fn new(
@@ -85,7 +102,7 @@ impl Layers {
             None => None,
         };
         let close = match order {
-            Order::InBands => Some(over_frame(renderer, &accumulated, Pipelines::close)?),
+            Order::InBands => Some(Close::new(renderer, &accumulated)?),
             Order::FromBack => None,
         };
         Ok(Self {
@@ -116,19 +133,15 @@ impl Layers {
 
     /// Closes what hides all behind it between two places (columns and rows in pixels), if pixels are closed at all.
     pub fn close(&self, [least, greatest]: [DVec2; 2]) -> Option<RenderPass> {
+        let close = self.close.as_ref()?;
         let [width, height, _] = self.accumulated.extent().edges().map(f64::from);
         let size = DVec2::new(width, height);
         let [a, b] = [least / size, greatest / size].map(|end| end.as_vec2());
-        let close = Draw {
-            push: Push::of(&RectData {
-                ends: [a.x, a.y, b.x, b.y],
-            }),
-            ..self.close.clone()?
-        };
+        let ends = [a.x, a.y, b.x, b.y];
         Some(RenderPass {
             targets: Vec::new(),
             depth: self.kept_depth(),
-            draws: vec![close],
+            draws: vec![rectangle(&close.pipeline, Arc::clone(&close.bindings), ends)],
         })
     }
 
@@ -137,23 +150,16 @@ impl Layers {
     }
 }
 
-/// A rectangle, by default all, of the frame that looks at what is accumulated in `image` through a pipeline.
-pub fn over_frame(
-    renderer: &mut SliceRenderer,
-    image: &Arc<Image>,
-    pipeline: impl FnOnce(&mut Pipelines, &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError>,
-) -> Result<Draw, GpuError> {
-    let entry = Binding::SampledImage(Arc::clone(image), Arc::clone(&renderer.nearest));
-    Ok(Draw {
-        bindings: Some(Bindings::new(&renderer.device, image.label(), &[entry])?),
-        pipeline: pipeline(&mut renderer.pipelines, &renderer.device)?,
-        push: Push::of(&RectData {
-            ends: [0.0, 0.0, 1.0, 1.0],
-        }),
+/// A rectangle of a frame (its left, top, right and bottom, in parts of width and height), drawn by a pipeline of close.vert.
+pub fn rectangle(pipeline: &Arc<GraphicsPipeline>, bindings: Arc<Bindings>, ends: [f32; 4]) -> Draw {
+    Draw {
+        pipeline: Arc::clone(pipeline),
+        bindings: Some(bindings),
+        push: Push::of(&RectData { ends }),
         stream: None,
         elements: Elements::Vertices(0..4),
         instances: 0..1,
-    })
+    }
 }
 
 /// An image of colours.

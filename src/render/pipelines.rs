@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use super::frame;
 use super::layers::Meeting;
-use super::look::TILE_FORMAT;
 use super::mesh_pieces::VERTEX_INPUT;
 use super::pages::Texels;
 use super::slices::TARGET_FORMAT;
@@ -73,7 +72,7 @@ impl Pipelines {
         made_once(&mut self.close, || close_pipeline(device))
     }
 
-    /// The pipeline that tells which tiles are open, with what is accumulated bound.
+    /// The pipeline that tells which tiles are open, with what is accumulated and a number a tile bound.
     pub fn open(&mut self, device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError> {
         made_once(&mut self.open, || open_pipeline(device))
     }
@@ -196,8 +195,8 @@ fn open_pipeline(device: &Arc<Device>) -> Result<Arc<GraphicsPipeline>, GpuError
             label: "open tiles",
             vertex_spirv: CLOSE_VERT,
             fragment_spirv: OPEN_FRAG,
-            color_targets: &[(TILE_FORMAT, None)],
-            bindings: &[BindingKind::SampledImage],
+            depth: Some(Depth::Ignore),
+            bindings: &[BindingKind::SampledImage, BindingKind::WrittenStorage],
             push_bytes: size_of::<RectData>() as u32,
             topology: Topology::TriangleStrip,
             ..PipelineDesc::default()

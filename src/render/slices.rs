@@ -11,7 +11,7 @@ use super::pages::{FORMATS, PagedTarget};
 use super::pipelines::Pipelines;
 use super::submissions::Submissions;
 use super::surfaces::{Shown, Surfaces};
-use crate::gpu::{Device, Filter, Format, GpuError, Requirements, Sampler};
+use crate::gpu::{Device, Feature, Filter, Format, GpuError, Requirements, Sampler};
 use crate::image::{Frame, Rgba};
 use crate::interface::TABLE_LEN;
 use crate::projection::{
@@ -101,7 +101,7 @@ impl SliceRenderer {
     pub const REQUIREMENTS: Requirements<'static> = Requirements {
         sampled_linear: &[FORMATS[0], FORMATS[1], FORMATS[2], TABLE_FORMAT],
         blended: &[TARGET_FORMAT],
-        features: &[],
+        features: &[Feature::FragmentStores],
         image_dimension_3d: 256,
     };
 

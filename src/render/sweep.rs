@@ -62,8 +62,8 @@ impl SliceRenderer {
             }
             let next = timed(&mut timings.prepare, || {
                 job.add(self, spec, paged, &slab)?;
-                job.close(bands::seen_px(&slab, 0..slab.slices.len()));
-                let look = looks.look(self, job.submissions.last())?;
+                let (draw, look) = looks.look(self)?;
+                job.close(bands::seen_px(&slab, 0..slab.slices.len()), Some(draw));
                 let _submissions = job.submissions.start(&self.device)?;
                 Ok::<_, GpuError>(Underway { look, _submissions })
             })?;
