@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec3Swizzles};
 
-use super::halving::{Halving, Shown};
+use super::split::{ShownGrid, Splitter};
 use super::table::TakenEntries;
 use super::{Camera, FrameSpec, Planes, Remaining, ShownCells, TransferTable, VisibleBox, eye_from_lattice};
 use crate::math::{Interval, Viewpoint, affine};
@@ -140,10 +140,15 @@ impl DrawCost {
         }
     }
 
+    /// The cost of so many voxels more in a box that is drawn anyhow.
+    pub(super) fn of_voxels(&self, count: usize) -> f64 {
+        self.fragments_per_voxel * count as f64
+    }
+
     /// The cost of a box of `extent` voxels.
     pub(super) fn of(&self, extent: [usize; 3]) -> f64 {
+        let fragments = self.of_voxels(extent.iter().product());
         let extent = DVec3::from_array(extent.map(|n| n as f64));
-        let fragments = self.fragments_per_voxel * extent.element_product();
         let rays = self.rays_per_face.dot(extent.yzx() * extent.zxy());
         fragments + Self::SLICE * self.slices_per_step.dot(extent) + Self::RAY * rays
     }
@@ -174,7 +179,7 @@ impl Visibility<'_> {
     fn visit(&self, node: usize, cube: Cube, viewpoint: Viewpoint, found: &mut Vec<VisibleBox>) {
         match self.target.octree.nodes[node] {
             OctreeNode::Empty => {}
-            OctreeNode::Block(block) => found.extend(self.shown(block, cube, viewpoint).boxes),
+            OctreeNode::Block(block) => self.split(block, cube, viewpoint, found),
             OctreeNode::Split(_) if !self.remains(&cube.voxels(self.target.lattice.dims)) => {}
             OctreeNode::Split(first) => {
                 for octant in octants_back_to_front(&cube, viewpoint) {
@@ -185,29 +190,32 @@ impl Visibility<'_> {
         }
     }
 
-    /// What is drawn of `cube`, a part of `block`.
-    fn shown(&self, block: u32, cube: Cube, viewpoint: Viewpoint) -> Shown {
-        let dims = self.target.lattice.dims;
-        let voxels = cube.voxels(dims);
-        let lattice = &self.target.lattice;
-        if voxels.is_empty() || !self.shown.any_in(block, lattice, &voxels) || !self.remains(&voxels) {
-            return Shown::default();
-        }
-        if cube.size <= self.min_cube.max(CELL) {
-            return Shown {
-                boxes: vec![VisibleBox::new(block, voxels)],
-                cost: self.cost.of(voxels.extent),
-            };
-        }
-        let octants = std::array::from_fn(|octant| self.shown(block, cube.octant(octant), viewpoint));
-        let halving = Halving {
+    /// Adds what is drawn of `block`, which fills `cube`.
+    fn split(&self, block: u32, cube: Cube, viewpoint: Viewpoint, found: &mut Vec<VisibleBox>) {
+        let mut grid = ShownGrid::empty(cube, self.min_cube.max(CELL));
+        self.note_shown(block, cube, &mut grid);
+        let splitter = Splitter {
             block,
-            cube,
-            dims,
-            octants: &octants,
+            grid: &grid,
+            dims: self.target.lattice.dims,
             cost: &self.cost,
+            viewpoint,
         };
-        halving.shown(viewpoint)
+        splitter.split(found);
+    }
+
+    /// Notes in `grid` which of its cells in `cube`, a part of `block`, show.
+    fn note_shown(&self, block: u32, cube: Cube, grid: &mut ShownGrid) {
+        let lattice = &self.target.lattice;
+        let voxels = cube.voxels(lattice.dims);
+        if voxels.is_empty() || !self.shown.any_in(block, lattice, &voxels) || !self.remains(&voxels) {
+            return;
+        }
+        if cube.size <= grid.cell() {
+            grid.show(cube.origin);
+        } else {
+            (0..8).for_each(|octant| self.note_shown(block, cube.octant(octant), grid));
+        }
     }
 
     /// Whether something in `voxels` may have to do with what remains.
