@@ -273,3 +273,129 @@ impl Splitter<'_> {
         VoxelBox::clipped(origin, edges, self.dims)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, dvec3};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const CELL: usize = 4;
+
+    /// A cube of 8 cells along each axis, whose first voxel is the lattice's.
+    const CUBE: Cube = Cube {
+        origin: [0; 3],
+        size: 8 * CELL,
+    };
+
+    fn grid(shown: &[[usize; 3]]) -> ShownGrid {
+        let mut grid = ShownGrid::empty(CUBE, CELL);
+        let voxel = |cell: &[usize; 3]| cell.map(|n| (n * CELL) as i64);
+        shown.iter().for_each(|cell| grid.show(voxel(cell)));
+        grid
+    }
+
+    /// The boxes in cells: the first ones, and those behind the last ones.
+    fn boxes(shown: &[[usize; 3]], dims: [usize; 3], cost: &DrawCost, viewpoint: Viewpoint) -> Vec<[[usize; 3]; 2]> {
+        let mut boxes = Vec::new();
+        let splitter = Splitter {
+            block: 0,
+            grid: &grid(shown),
+            dims,
+            cost,
+            viewpoint,
+        };
+        splitter.split(&mut boxes);
+        let ends = |b: &VisibleBox| {
+            let high: [usize; 3] = std::array::from_fn(|a| (b.origin[a] + b.extent[a]).div_ceil(CELL));
+            [b.origin.map(|n| n / CELL), high]
+        };
+        boxes.iter().map(ends).collect()
+    }
+
+    const ALONG_X: Viewpoint = Viewpoint::Direction(DVec3::X);
+
+    #[test]
+    fn a_gap_is_drawn_where_another_box_costs_more() {
+        let row = [[0, 2, 3], [1, 2, 3], [5, 2, 3]];
+        let drawn = |cost: &DrawCost| boxes(&row, [8 * CELL; 3], cost, ALONG_X);
+        assert_eq!(
+            drawn(&DrawCost::VOXELS),
+            [[[0, 2, 3], [2, 3, 4]], [[5, 2, 3], [6, 3, 4]]],
+            "the farther one first"
+        );
+        // Of the gap's 3·4³ voxels each costs a fragment. Slices lie along x alone, so the row's cost 6·4 of so many fragments, and those of its
+        // two parts 3·4 of them. Of slices along y, the row has 4 and its parts have 8.
+        let along_x = DrawCost::VOXELS.with_slices(DVec3::X);
+        assert_eq!(drawn(&along_x).len(), 2);
+        let along_y =
+            |slices: f64| drawn(&DrawCost::VOXELS.with_slices(dvec3(0.0, slices / DrawCost::SLICE, 0.0))).len();
+        let gap = (3 * CELL.pow(3)) as f64;
+        assert_eq!([0.99, 1.01].map(|part| along_y(part * gap / CELL as f64)), [2, 1]);
+    }
+
+    /// Whether `b` is not drawn after what it hides as seen from `viewpoint`: there is a plane between them, on whose farther side `a` is.
+    fn may_follow(a: &[[usize; 3]; 2], b: &[[usize; 3]; 2], viewpoint: Viewpoint) -> bool {
+        (0..3).any(|axis| {
+            let towards = |plane: usize| match viewpoint {
+                Viewpoint::Direction(towards) => towards[axis],
+                Viewpoint::Point(eye) => eye[axis] - ((plane * CELL) as f64 - 0.5),
+            };
+            let (a, b) = ([a[0][axis], a[1][axis]], [b[0][axis], b[1][axis]]);
+            a[1] <= b[0] && towards(a[1]) >= 0.0 || b[1] <= a[0] && towards(a[0]) <= 0.0
+        })
+    }
+
+    fn cells() -> impl Strategy<Value = Vec<[usize; 3]>> {
+        prop::collection::vec(prop::array::uniform3(0usize..8), 0..80)
+    }
+
+    fn viewpoint() -> impl Strategy<Value = Viewpoint> {
+        let place = prop::array::uniform3(-40.0f64..70.0).prop_map(DVec3::from);
+        let step = prop::array::uniform3(-1i32..2).prop_map(|d| DVec3::from_array(d.map(f64::from)));
+        prop_oneof![place.prop_map(Viewpoint::Point), step.prop_map(Viewpoint::Direction)]
+    }
+
+    proptest! {
+        #[test]
+        fn each_cell_that_shows_is_in_one_box_and_farther_boxes_come_first(
+            shown in cells(),
+            viewpoint in viewpoint(),
+            slices in prop::array::uniform3(0.0f64..0.02),
+            dims in prop::array::uniform3(29usize..33),
+        ) {
+            let cost = DrawCost::VOXELS.with_slices(slices.into());
+            let boxes = boxes(&shown, dims, &cost, viewpoint);
+            let holders = |cell: &[usize; 3]| boxes.iter().filter(|[low, high]| (0..3).all(|a| (low[a]..high[a]).contains(&cell[a]))).count();
+            for n in 0..512 {
+                let cell = [n % 8, n / 8 % 8, n / 64];
+                let held = holders(&cell);
+                prop_assert!(if shown.contains(&cell) { held == 1 } else { held <= 1 }, "{:?} is in {} boxes", cell, held);
+            }
+            for (n, b) in boxes.iter().enumerate() {
+                for axis in 0..3 {
+                    let on_face = |at: usize| shown.iter().any(|cell| cell[axis] == at && (0..3).all(|a| (b[0][a]..b[1][a]).contains(&cell[a])));
+                    prop_assert!(on_face(b[0][axis]) && on_face(b[1][axis] - 1), "{:?} is too large along {}", b, axis);
+                }
+                prop_assert!(boxes[..n].iter().all(|a| may_follow(a, b, viewpoint)), "{:?} comes too late", b);
+            }
+        }
+
+        #[test]
+        fn boxes_cost_no_more_than_one_and_of_voxels_alone_hold_nothing_else(shown in cells(), slices in prop::array::uniform3(0.0f64..0.02)) {
+            let voxels = |boxes: &[[[usize; 3]; 2]]| -> usize { boxes.iter().map(|[low, high]| (0..3).map(|a| high[a] - low[a]).product::<usize>()).sum() };
+            let mut distinct = shown.clone();
+            distinct.sort_unstable();
+            distinct.dedup();
+            let dims = [8 * CELL; 3];
+            prop_assert_eq!(voxels(&boxes(&shown, dims, &DrawCost::VOXELS, ALONG_X)), distinct.len());
+            let cost = DrawCost::VOXELS.with_slices(slices.into());
+            let of = |boxes: &[[[usize; 3]; 2]]| -> f64 { boxes.iter().map(|[low, high]| cost.of(std::array::from_fn(|a| CELL * (high[a] - low[a])))).sum() };
+            let drawn = boxes(&shown, dims, &cost, ALONG_X);
+            let hull = drawn.iter().copied().reduce(|a, b| [std::array::from_fn(|n| a[0][n].min(b[0][n])), std::array::from_fn(|n| a[1][n].max(b[1][n]))]);
+            // Sums of at most 80 numbers each, all positive.
+            prop_assert!(of(&drawn) <= of(hull.as_slice()) * (1.0 + 160.0 * f64::EPSILON));
+        }
+    }
+}

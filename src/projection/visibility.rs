@@ -95,7 +95,7 @@ pub struct DrawCost {
 impl DrawCost {
     /// What a slice costs beside its fragments, in fragments: a rough choice. On lavapipe, for one head, what 200, 300 and 450
     /// drew differed by less than the noise, and 80 took a tenth longer. No other device was tried.
-    const SLICE: f64 = 300.0;
+    pub(super) const SLICE: f64 = 300.0;
 
     /// What a ray through a box costs beside its samples, in samples: where it enters and leaves, and lanes that are no samples
     /// at both ends.
@@ -107,6 +107,15 @@ impl DrawCost {
         slices_per_step: DVec3::ZERO,
         rays_per_face: DVec3::ZERO,
     };
+
+    /// Likewise with so many slices a lattice step along each axis.
+    #[cfg(test)]
+    pub(super) fn with_slices(self, slices_per_step: DVec3) -> Self {
+        Self {
+            slices_per_step,
+            ..self
+        }
+    }
 
     /// The cost in a frame of `camera`; under perspective, that in the middle of the lattice.
     pub fn new(lattice: &Lattice, camera: &Camera, planes: &Planes) -> Self {
