@@ -6,6 +6,7 @@ mod deformation;
 mod drawing;
 mod editing;
 mod frames;
+mod layouts;
 mod machine;
 mod memory;
 mod picture;
@@ -74,6 +75,9 @@ struct Arguments {
     /// Measure edits only, and write no report.
     #[arg(long)]
     editing: bool,
+    /// Measure layouts of voxels only, and write no report.
+    #[arg(long)]
+    layouts: bool,
     /// Draw one scene and print what memory it took, as JSON.
     #[arg(long, hide = true)]
     memory_of: Option<memory::Scene>,
@@ -142,6 +146,9 @@ fn run(arguments: &Arguments) -> Outcome<usize> {
         return surfaces::compare(name, arguments.repetitions().runs).map(|_| 0);
     }
     vtk::write_volumes()?;
+    if arguments.layouts {
+        return layouts::measure(arguments.repetitions().runs).map(|()| 0);
+    }
     if let Some(name) = &arguments.frames {
         return frames::compare(&drawing::open_device()?, name, arguments.repetitions()).map(|_| 0);
     }

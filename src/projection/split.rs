@@ -1,8 +1,9 @@
 //! How the parts of a block that show become as few boxes as pay.
 //!
 //! *Theory.* A k-d tree. A box is drawn in to what shows of it, and split by that plane of whose two sides, each drawn in likewise, the
-//! boxes are cheapest to draw; parts that do not show are drawn with the rest where splitting is no cheaper (Vidal, Mei and Decaudin,
-//! *Simple empty-space removal for interactive volume rendering*, 2008, who count voxels where we count what a box costs).
+//! boxes are cheapest to draw; parts that do not show are drawn with the rest where splitting is no cheaper. So do Vidal, Mei and
+//! Decaudin (*Simple empty-space removal for interactive volume rendering*, journal of graphics tools 13(2), 2008), whose cost is the
+//! volume of boxes where ours is what drawing them takes.
 //! *Changes from the paper.* VCSG draws blocks whole.
 //! *Practice.* What shows is a bit a cell, 64 cells to a word, so that all planes of all axes are asked in one pass over the words. The
 //! farther side of a plane always comes first, so the boxes are in order.
@@ -45,10 +46,11 @@ pub(super) struct ShownGrid {
 }
 
 impl ShownGrid {
-    /// Nothing of `cube`, in cells with an edge of `least` voxels, a power of two, or as many more as the cube is too large for.
+    /// Nothing of `cube`, in cells with an edge of `least` voxels, a power of two: of more if the cube is too large for that, and of no
+    /// more than it has.
     pub fn empty(cube: Cube, least: usize) -> Self {
-        let cell = least.max(cube.size / MOST_CELLS);
-        let count = (cube.size / cell).max(1);
+        let cell = least.max(cube.size / MOST_CELLS).min(cube.size);
+        let count = cube.size / cell;
         Self {
             cube,
             cell,
@@ -312,6 +314,27 @@ mod tests {
             [b.origin.map(|n| n / CELL), high]
         };
         boxes.iter().map(ends).collect()
+    }
+
+    #[test]
+    fn a_cube_smaller_than_a_cell_is_drawn_alone() {
+        let cube = Cube {
+            origin: [4, 0, 8],
+            size: 4,
+        };
+        let mut grid = ShownGrid::empty(cube, 8);
+        grid.show(cube.origin);
+        let mut boxes = Vec::new();
+        let splitter = Splitter {
+            block: 0,
+            grid: &grid,
+            dims: [32; 3],
+            cost: &DrawCost::VOXELS,
+            viewpoint: ALONG_X,
+        };
+        splitter.split(&mut boxes);
+        let drawn: Vec<_> = boxes.iter().map(|b| (b.origin, b.extent)).collect();
+        assert_eq!(drawn, [([4, 0, 8], [4; 3])]);
     }
 
     const ALONG_X: Viewpoint = Viewpoint::Direction(DVec3::X);
