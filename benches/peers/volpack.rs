@@ -1,5 +1,9 @@
 //! Rays cast on the processor against VolPack's shear-warp, on VolPack's own volume: one thread each, classified and shaded.
 
+mod causes;
+mod model;
+mod normals;
+
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -94,6 +98,10 @@ fn compare_one(what: String, edge: u32, runs: usize) -> Outcome<Comparison> {
         ours.push(frame()?.1);
         theirs.push(peer.run()?);
     }
+    let Voxels::U8(values) = grid.voxels() else { unreachable!() };
+    let started = std::time::Instant::now();
+    causes::Pictures { values, spec: &spec, ours: &picture, theirs: &grey(&theirs_path, edge)? }.rows()?;
+    println!("{:?}", started.elapsed());
     let [ours, theirs] = [ours, theirs].map(Summary::of);
     let faster = Ratios::of(&ours, &theirs);
     let panels = format!("{PICTURES}/raycast-{}.png", what.replace(' ', "-"));

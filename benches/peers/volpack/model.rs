@@ -1,0 +1,350 @@
+//! A slow model of how we draw and of how VolPack does, in double precision: every cause of a difference is there both ways.
+//!
+//! A picture is made of rays, a ray of samples from front to back, a sample of eight voxels. VolPack's way is that of its sources
+//! and of P. Lacroute, "Fast volume rendering using a shear-warp factorization of the viewing transformation" (1995).
+
+use glam::{BVec3, DAffine3, DVec2, DVec3};
+use rayon::prelude::*;
+use vcsg::image::Frame;
+use vcsg::projection::{FrameSpec, Planes, Shading, SoftNormals, eye_from_lattice, half_differences};
+
+use super::normals;
+use crate::Outcome;
+
+/// What VolPack does in another way than we do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// It takes central differences, none at the outermost voxels; we smooth them across.
+    Differences,
+    /// Normals have length one or none, and are those of a table; ours are soft.
+    Normals,
+    /// What has no normal gets ambient light only; with us it keeps its own colour.
+    NoNormal,
+    /// Voxels are classified and lit, and then interpolated; we interpolate values and normals.
+    Order,
+    /// Opacities of at most 0.05 are dropped.
+    Faint,
+    /// Rays end at an opacity of 0.95; ours at 1 − 1/1024.
+    End,
+    /// Samples lie in the slices of voxels across the axis that is nearest to the view's, and beyond the outermost voxels is
+    /// nothing; ours lie in planes across the view, one voxel apart, and the outermost voxels go on for half a voxel.
+    Slices,
+    /// One ray for each voxel of a slice, and their picture interpolated for the frame's pixels; we cast one ray for each pixel.
+    Resolution,
+    /// Opacities and the picture are bytes, rounded down; ours are rounded to the nearest, the picture alone.
+    Bytes,
+}
+
+/// All causes.
+pub const CAUSES: [Cause; 9] = [
+    Cause::Order,
+    Cause::Faint,
+    Cause::End,
+    Cause::Slices,
+    Cause::Resolution,
+    Cause::Differences,
+    Cause::Normals,
+    Cause::NoNormal,
+    Cause::Bytes,
+];
+
+const FAINT: f64 = 0.05;
+const THEIR_END: f64 = 0.95;
+const OUR_END: f64 = 1.0 - 1.0 / 1024.0;
+
+/// Where the light of a ray comes from: lattice coordinates.
+#[derive(Clone, Copy)]
+struct Ray {
+    through: DVec3,
+    along: DVec3,
+}
+
+/// Opacity, and light weighted by it.
+type Shown = [f64; 2];
+
+/// A volume of bytes in a view, drawn in VolPack's way as far as `theirs` says, and else in ours.
+pub struct Model<'a> {
+    values: &'a [u8],
+    spec: &'a FrameSpec<'a>,
+    shading: &'a Shading,
+    theirs: &'a [Cause],
+    eye_from_lattice: DAffine3,
+    planes: Planes,
+    /// Between samples, voxels.
+    step: f64,
+    /// Of each voxel, in the eye frame.
+    normals: Vec<DVec3>,
+    /// What each voxel shows, where voxels are classified.
+    shown: Vec<Shown>,
+}
+
+impl<'a> Model<'a> {
+    /// The volume is that of the target's one leaf.
+    pub fn new(values: &'a [u8], spec: &'a FrameSpec<'a>, theirs: &'a [Cause]) -> Outcome<Self> {
+        let mut model = Self {
+            values,
+            spec,
+            shading: spec.settings.shading.as_ref().ok_or("the model is lit")?,
+            theirs,
+            eye_from_lattice: eye_from_lattice(&spec.target.lattice, spec.camera),
+            planes: spec.planes(),
+            step: spec.planes().step_mm,
+            normals: Vec::new(),
+            shown: Vec::new(),
+        };
+        if model.is(Cause::Slices) {
+            model.step = 1.0 / model.ray(DVec2::ZERO).along.abs().max_element();
+        }
+        let all = || (0..values.len()).into_par_iter();
+        model.normals = all().map(|n| model.normal(n)).collect();
+        if model.is(Cause::Order) {
+            let shown = |n| model.show(f64::from(values[n]), model.normals[n]);
+            model.shown = all().map(shown).collect();
+        }
+        Ok(model)
+    }
+
+    /// The picture.
+    pub fn draw(&self) -> Outcome<Frame> {
+        let [width, height] = self.spec.camera.size;
+        let middle = |n: u32| DVec2::new(f64::from(n % width), f64::from(n / width)) + 0.5;
+        let pixels = (0..width * height).into_par_iter().map(middle);
+        let light: Vec<f64> = match self.is(Cause::Resolution) {
+            true => {
+                let picture = SliceRays::new(self).draw(self);
+                pixels.map(|px| picture.at(self, px)).collect()
+            }
+            false => pixels.map(|px| self.cast(self.ray(px))).collect(),
+        };
+        let grey = |c: f64| {
+            let c = if self.is(Cause::Bytes) { byte_below(c) } else { c } as f32;
+            [c, c, c, 1.0]
+        };
+        Ok(Frame::from_pixels(width, height, light.into_iter().map(grey).collect())?)
+    }
+
+    fn is(&self, cause: Cause) -> bool {
+        self.theirs.contains(&cause)
+    }
+
+    /// The ray through a place in the frame.
+    fn ray(&self, px: DVec2) -> Ray {
+        let lattice_from_eye = self.eye_from_lattice.inverse();
+        Ray {
+            through: lattice_from_eye.transform_point3(self.spec.camera.unproject(px, 0.0)),
+            along: lattice_from_eye.transform_vector3(DVec3::Z),
+        }
+    }
+
+    /// The light that comes along a ray.
+    fn cast(&self, ray: Ray) -> f64 {
+        let end = if self.is(Cause::End) { THEIR_END } else { OUR_END };
+        let points = match self.is(Cause::Slices) {
+            true => self.points_in_slices(ray),
+            false => self.points_in_planes(ray),
+        };
+        let [mut opacity, mut light] = [0.0; 2];
+        for [shown, lit] in points.into_iter().map(|at| self.sample(at)) {
+            light += (1.0 - opacity) * lit;
+            opacity += (1.0 - opacity) * shown;
+            if opacity >= end {
+                break;
+            }
+        }
+        light
+    }
+
+    /// Ours.
+    fn points_in_planes(&self, ray: Ray) -> Vec<DVec3> {
+        let depth_through = self.eye_from_lattice.transform_point3(ray.through).z;
+        let bounds = self.spec.target.lattice.bounds();
+        let depths = bounds.transformed(&self.eye_from_lattice);
+        let planes = self.planes.between(depths.min.z, depths.max.z);
+        let point = |k| ray.through + ray.along * (self.planes.depth(k) - depth_through);
+        planes.map(point).filter(|&at| bounds.contains(at)).collect()
+    }
+
+    /// VolPack's: where the ray meets the slices.
+    fn points_in_slices(&self, ray: Ray) -> Vec<DVec3> {
+        let axis = ray.along.abs().max_position();
+        let count = self.spec.target.lattice.dims[axis];
+        let point = |k: usize| ray.in_slice(axis, k as f64);
+        match ray.along[axis] > 0.0 {
+            true => (0..count).map(point).collect(),
+            false => (0..count).rev().map(point).collect(),
+        }
+    }
+
+    fn sample(&self, at: DVec3) -> Shown {
+        let corners = self.corners(at);
+        if self.is(Cause::Order) {
+            let shown = corners.map(|(n, weight)| self.shown[n].map(|part| weight * part));
+            return shown.into_iter().fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        }
+        let value = corners.map(|(n, weight)| weight * f64::from(self.values[n]));
+        let normal = corners.map(|(n, weight)| weight * self.normals[n]);
+        self.show(value.into_iter().sum(), normal.into_iter().sum())
+    }
+
+    fn show(&self, value: f64, normal: DVec3) -> Shown {
+        match self.opacity(value) {
+            0.0 => [0.0; 2],
+            opacity => [opacity, opacity * self.light(normal)],
+        }
+    }
+
+    /// The voxels round a point, and their trilinear weights: bilinear in a slice.
+    fn corners(&self, at: DVec3) -> [(usize, f64); 8] {
+        let [base, fraction] = [at.floor(), at - at.floor()];
+        std::array::from_fn(|n| {
+            let upper = BVec3::new(n & 1 != 0, n & 2 != 0, n & 4 != 0);
+            let weight = DVec3::select(upper, fraction, 1.0 - fraction).element_product();
+            let place = DVec3::select(upper, base + 1.0, base);
+            self.voxel(place).map_or((0, 0.0), |voxel| (voxel, weight))
+        })
+    }
+
+    /// The voxel at a place; beyond the outermost ones these, or nothing.
+    fn voxel(&self, place: DVec3) -> Option<usize> {
+        let dims = self.spec.target.lattice.dims;
+        let last = DVec3::from_array(dims.map(|n| n as f64 - 1.0));
+        let nearest = place.clamp(DVec3::ZERO, last);
+        let [x, y, z] = nearest.to_array().map(|n| n as usize);
+        (nearest == place || !self.is(Cause::Slices)).then_some(x + dims[0] * (y + dims[1] * z))
+    }
+
+    fn opacity(&self, value: f64) -> f64 {
+        let opacity = ((value - 30.0) / 30.0).clamp(0.0, 1.0);
+        if self.is(Cause::Faint) && opacity <= FAINT {
+            return 0.0;
+        }
+        let opacity = if self.is(Cause::Bytes) { byte_below(opacity) } else { opacity };
+        1.0 - (1.0 - opacity).powf(self.step)
+    }
+
+    fn light(&self, normal: DVec3) -> f64 {
+        let (factor, highlight) = self.shading.response(normal);
+        let kept = match self.is(Cause::NoNormal) {
+            true => (1.0 - normal.length()) * (1.0 - f64::from(self.shading.material.ambient)),
+            false => 0.0,
+        };
+        factor - kept + highlight
+    }
+
+    fn normal(&self, voxel: usize) -> DVec3 {
+        let lattice = &self.spec.target.lattice;
+        let differences = self.differences(voxel);
+        let normal = match self.is(Cause::Normals) {
+            true => normals::nearest(differences),
+            false => SoftNormals::new(lattice, self.shading.soft_gradient).normal(differences),
+        };
+        self.spec.camera.eye_from_world.matrix3 * normal
+    }
+
+    /// Half the differences of a voxel's neighbours, in fractions of the range of values.
+    fn differences(&self, voxel: usize) -> DVec3 {
+        let [nx, ny, nz] = self.spec.target.lattice.dims;
+        let [x, y, z] = [voxel % nx, voxel / nx % ny, voxel / (nx * ny)];
+        let range = self.spec.target.value_range;
+        let height = |by: [i64; 3]| {
+            let at: [usize; 3] = std::array::from_fn(|a| {
+                ([x, y, z][a] as i64 + by[a]).clamp(0, [nx, ny, nz][a] as i64 - 1) as usize
+            });
+            f64::from(self.values[at[0] + nx * (at[1] + ny * at[2])]) / f64::from(range.hi - range.lo)
+        };
+        if !self.is(Cause::Differences) {
+            return half_differences(height);
+        }
+        if [(x, nx), (y, ny), (z, nz)].iter().any(|&(n, count)| n == 0 || n + 1 == count) {
+            return DVec3::ZERO;
+        }
+        let along = |[x, y, z]: [i64; 3]| 0.5 * (height([x, y, z]) - height([-x, -y, -z]));
+        DVec3::from_array([[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(along))
+    }
+}
+
+impl Ray {
+    /// Where it meets slice `k` across an axis.
+    fn in_slice(&self, axis: usize, k: f64) -> DVec3 {
+        let mut at = self.through + self.along * ((k - self.through[axis]) / self.along[axis]);
+        at[axis] = k;
+        at
+    }
+}
+
+/// VolPack's rays: one for each voxel of the slice that is first in each direction, and of what others stand out.
+struct SliceRays {
+    /// Across the slices.
+    axis: usize,
+    /// The other two axes.
+    across: [usize; 2],
+    along: DVec3,
+    /// Ray (0, 0), where it meets slice 0.
+    first: DVec2,
+    size: [usize; 2],
+}
+
+/// What they show.
+struct SlicePicture {
+    rays: SliceRays,
+    light: Vec<f64>,
+}
+
+impl SliceRays {
+    fn new(model: &Model) -> Self {
+        let along = model.ray(DVec2::ZERO).along;
+        let axis = along.abs().max_position();
+        let across = [(axis + 1) % 3, (axis + 2) % 3];
+        let dims = model.spec.target.lattice.dims;
+        let last = dims[axis] as f64 - 1.0;
+        // How far rays go across from each slice to the next.
+        let drift = across.map(|a| along[a] / along[axis]);
+        Self {
+            axis,
+            across,
+            along,
+            // The rays through voxels of slice 0 go on to the others, or those come from the last slice. One more is before them.
+            first: DVec2::from_array(drift.map(|d| -d.max(0.0) * last - 1.0)),
+            size: std::array::from_fn(|a| dims[across[a]] + 1 + (last * drift[a].abs()).ceil() as usize),
+        }
+    }
+
+    fn draw(self, model: &Model) -> SlicePicture {
+        let [width, height] = self.size;
+        let rays = (0..width * height).into_par_iter();
+        let light = rays.map(|n| model.cast(self.ray(n % width, n / width))).collect();
+        SlicePicture { rays: self, light }
+    }
+
+    fn ray(&self, u: usize, v: usize) -> Ray {
+        let mut through = DVec3::ZERO;
+        through[self.across[0]] = self.first.x + u as f64;
+        through[self.across[1]] = self.first.y + v as f64;
+        Ray {
+            through,
+            along: self.along,
+        }
+    }
+}
+
+impl SlicePicture {
+    /// Bilinear at a place in the frame.
+    fn at(&self, model: &Model, px: DVec2) -> f64 {
+        let met = model.ray(px).in_slice(self.rays.axis, 0.0);
+        let [a, b] = self.rays.across;
+        let place = DVec2::new(met[a], met[b]) - self.rays.first;
+        let [base, fraction] = [place.floor(), place - place.floor()];
+        let light = |u: f64, v: f64| {
+            let [width, height] = self.rays.size;
+            let inside = u >= 0.0 && v >= 0.0 && u < width as f64 && v < height as f64;
+            if inside { self.light[u as usize + width * v as usize] } else { 0.0 }
+        };
+        let row = |v: f64| (1.0 - fraction.x) * light(base.x, v) + fraction.x * light(base.x + 1.0, v);
+        (1.0 - fraction.y) * row(base.y) + fraction.y * row(base.y + 1.0)
+    }
+}
+
+/// The byte that is not above.
+fn byte_below(part: f64) -> f64 {
+    (part * 255.0).floor() / 255.0
+}
