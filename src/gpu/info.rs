@@ -231,10 +231,7 @@ fn missing_features(instance: &Instance, device: vk::PhysicalDevice, features: &
         .push_next(&mut v13);
     // SAFETY: `device` is of this instance and supports 1.3, to which the chained structures belong.
     unsafe { instance.raw().get_physical_device_features2(device, &mut all) };
-    let (independent, stores) = (
-        all.features.independent_blend,
-        all.features.fragment_stores_and_atomics,
-    );
+    let (independent, stores) = (all.features.independent_blend, all.features.fragment_stores_and_atomics);
     let core = [
         ("timelineSemaphore", v12.timeline_semaphore),
         ("dynamicRendering", v13.dynamic_rendering),

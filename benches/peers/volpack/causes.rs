@@ -1,68 +1,62 @@
-//! What makes our picture differ from VolPack's, cause by cause, on the slow [`Model`] of both.
+//! Why our picture of a volume is not VolPack's.
 
-use serde::Serialize;
-use vcsg::image::Frame;
-use vcsg::projection::{FrameSpec, Reference, Projector};
-
-use super::model::{CAUSES, Cause, Model};
-use crate::Outcome;
-use crate::frames::PICTURES;
-use crate::picture::{self, Difference};
-
-/// The two pictures, and what ours was made of.
-pub struct Pictures<'a> {
-    pub values: &'a [u8],
-    pub spec: &'a FrameSpec<'a>,
-    pub ours: &'a Frame,
-    pub theirs: &'a Frame,
+/// What VolPack does in another way than we do.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// Voxels are classified and lit, and then interpolated; we interpolate values and normals.
+    Order,
+    /// Voxels, and samples between them, of opacities up to [`FAINT`] are dropped.
+    Faint,
+    /// Rays end at an opacity of [`END`]; ours at 1 − 1/1024.
+    End,
+    /// Samples lie in the slices of voxels across the axis that is nearest to the view's, and beyond the outermost voxels is
+    /// nothing; ours lie in planes across the view, one voxel apart, and the outermost voxels go on for half a voxel.
+    Slices,
+    /// One ray for each voxel of a slice, and their picture interpolated for the frame's pixels; we cast one ray for each pixel.
+    Resolution,
+    /// It takes central differences, none at the outermost voxels; we smooth them across.
+    Differences,
+    /// What has no normal gets ambient light only; with us it keeps its own colour.
+    NoNormal,
+    /// Normals have length one or none, and are those of a table; ours are soft.
+    Normals,
+    /// Opacities and pixels are bytes, rounded down, and weights between pixels are those of a table; of ours, pixels are bytes,
+    /// rounded to the nearest.
+    Rounding,
 }
 
-/// One cause.
-#[derive(Serialize)]
-pub struct Row {
-    what: String,
-    /// From VolPack's picture, with this and all causes before it done in VolPack's way.
-    so_far: Difference,
-    /// From the picture without this cause.
-    step: Difference,
-    /// From VolPack's picture, with this cause alone done in our way.
-    all_but: Difference,
-}
+impl Cause {
+    /// All, as a volume becomes a picture.
+    pub const ALL: [Self; 9] = [
+        Self::Order,
+        Self::Faint,
+        Self::End,
+        Self::Slices,
+        Self::Resolution,
+        Self::Differences,
+        Self::NoNormal,
+        Self::Normals,
+        Self::Rounding,
+    ];
 
-impl Pictures<'_> {
-    pub fn rows(&self) -> Outcome<Vec<Row>> {
-        let mut before = self.model(&[])?;
-        let d = self.compare(self.ours, &before, "model-ours")?;
-        println!("model from ours {:.2} {} {}", d.mean, d.percentile_99, d.max);
-        let r = Reference.project(self.spec)?;
-        let d = self.compare(&r, &before, "model-reference")?;
-        println!("model from reference {:.2} {} {}", d.mean, d.percentile_99, d.max);
-        let d = self.compare(&before, self.theirs, "model-theirs")?;
-        println!("model from theirs {:.2} {} {}", d.mean, d.percentile_99, d.max);
-        let mut rows = Vec::new();
-        for (n, cause) in CAUSES.into_iter().enumerate() {
-            let but: Vec<Cause> = CAUSES.into_iter().filter(|&c| c != cause).collect();
-            let so_far = self.model(&CAUSES[..=n])?;
-            let name = format!("{n}-{cause:?}");
-            let row = Row {
-                what: format!("{cause:?}"),
-                so_far: self.compare(&so_far, self.theirs, &format!("{name}-so-far"))?,
-                step: self.compare(&so_far, &before, &format!("{name}-step"))?,
-                all_but: self.compare(&self.model(&but)?, self.theirs, &format!("{name}-all-but"))?,
-            };
-            before = so_far;
-            let f = |d: &Difference| format!("{:.2}, {}, {}", d.mean, d.percentile_99, d.max);
-            println!("{:<20} | {:>16} | {:>16} | {:>16}", row.what, f(&row.so_far), f(&row.step), f(&row.all_but));
-            rows.push(row);
+    /// VolPack's way.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Order => "voxels classified and lit, then interpolated",
+            Self::Faint => "opacities up to 0.05 dropped",
+            Self::End => "rays end at 0.95",
+            Self::Slices => "samples in slices",
+            Self::Resolution => "a ray a voxel, then warped",
+            Self::Differences => "central differences",
+            Self::NoNormal => "ambient light without a normal",
+            Self::Normals => "normals of a table",
+            Self::Rounding => "bytes rounded down",
         }
-        Ok(rows)
-    }
-
-    fn model(&self, theirs: &[Cause]) -> Outcome<Frame> {
-        Model::new(self.values, self.spec, theirs)?.draw()
-    }
-
-    fn compare(&self, picture: &Frame, with: &Frame, name: &str) -> Outcome<Difference> {
-        picture::compare(picture, with, &format!("{PICTURES}/causes-{name}.png"))
     }
 }
+
+/// VolPack's least opacity.
+pub const FAINT: f64 = 0.05;
+
+/// The opacity at which its rays end.
+pub const END: f64 = 0.95;

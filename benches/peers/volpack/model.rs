@@ -6,57 +6,23 @@
 use glam::{BVec3, DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 use vcsg::image::Frame;
+use vcsg::math::Aabb;
 use vcsg::projection::{FrameSpec, Planes, Shading, SoftNormals, eye_from_lattice, half_differences};
 
+use super::causes::{Cause, END, FAINT};
 use super::normals;
+use super::slices::SliceRays;
 use crate::Outcome;
 
-/// What VolPack does in another way than we do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// It takes central differences, none at the outermost voxels; we smooth them across.
-    Differences,
-    /// Normals have length one or none, and are those of a table; ours are soft.
-    Normals,
-    /// What has no normal gets ambient light only; with us it keeps its own colour.
-    NoNormal,
-    /// Voxels are classified and lit, and then interpolated; we interpolate values and normals.
-    Order,
-    /// Opacities of at most 0.05 are dropped.
-    Faint,
-    /// Rays end at an opacity of 0.95; ours at 1 − 1/1024.
-    End,
-    /// Samples lie in the slices of voxels across the axis that is nearest to the view's, and beyond the outermost voxels is
-    /// nothing; ours lie in planes across the view, one voxel apart, and the outermost voxels go on for half a voxel.
-    Slices,
-    /// One ray for each voxel of a slice, and their picture interpolated for the frame's pixels; we cast one ray for each pixel.
-    Resolution,
-    /// Opacities and the picture are bytes, rounded down; ours are rounded to the nearest, the picture alone.
-    Bytes,
-}
-
-/// All causes.
-pub const CAUSES: [Cause; 9] = [
-    Cause::Order,
-    Cause::Faint,
-    Cause::End,
-    Cause::Slices,
-    Cause::Resolution,
-    Cause::Differences,
-    Cause::Normals,
-    Cause::NoNormal,
-    Cause::Bytes,
-];
-
-const FAINT: f64 = 0.05;
-const THEIR_END: f64 = 0.95;
 const OUR_END: f64 = 1.0 - 1.0 / 1024.0;
 
 /// Where the light of a ray comes from: lattice coordinates.
 #[derive(Clone, Copy)]
-struct Ray {
-    through: DVec3,
-    along: DVec3,
+pub struct Ray {
+    /// A point on it.
+    pub through: DVec3,
+    /// Away from the eye.
+    pub along: DVec3,
 }
 
 /// Opacity, and light weighted by it.
@@ -117,18 +83,28 @@ impl<'a> Model<'a> {
             false => pixels.map(|px| self.cast(self.ray(px))).collect(),
         };
         let grey = |c: f64| {
-            let c = if self.is(Cause::Bytes) { byte_below(c) } else { c } as f32;
+            let c = if self.is(Cause::Rounding) { byte_below(c) } else { c } as f32;
             [c, c, c, 1.0]
         };
-        Ok(Frame::from_pixels(width, height, light.into_iter().map(grey).collect())?)
+        Ok(Frame::from_pixels(
+            width,
+            height,
+            light.into_iter().map(grey).collect(),
+        )?)
     }
 
-    fn is(&self, cause: Cause) -> bool {
+    /// Whether that is done in VolPack's way.
+    pub fn is(&self, cause: Cause) -> bool {
         self.theirs.contains(&cause)
     }
 
+    /// Voxels along each axis.
+    pub fn dims(&self) -> [usize; 3] {
+        self.spec.target.lattice.dims
+    }
+
     /// The ray through a place in the frame.
-    fn ray(&self, px: DVec2) -> Ray {
+    pub fn ray(&self, px: DVec2) -> Ray {
         let lattice_from_eye = self.eye_from_lattice.inverse();
         Ray {
             through: lattice_from_eye.transform_point3(self.spec.camera.unproject(px, 0.0)),
@@ -137,8 +113,8 @@ impl<'a> Model<'a> {
     }
 
     /// The light that comes along a ray.
-    fn cast(&self, ray: Ray) -> f64 {
-        let end = if self.is(Cause::End) { THEIR_END } else { OUR_END };
+    pub fn cast(&self, ray: Ray) -> f64 {
+        let end = if self.is(Cause::End) { END } else { OUR_END };
         let points = match self.is(Cause::Slices) {
             true => self.points_in_slices(ray),
             false => self.points_in_planes(ray),
@@ -154,7 +130,7 @@ impl<'a> Model<'a> {
         light
     }
 
-    /// Ours.
+    /// Ours: in planes across the view.
     fn points_in_planes(&self, ray: Ray) -> Vec<DVec3> {
         let depth_through = self.eye_from_lattice.transform_point3(ray.through).z;
         let bounds = self.spec.target.lattice.bounds();
@@ -164,14 +140,18 @@ impl<'a> Model<'a> {
         planes.map(point).filter(|&at| bounds.contains(at)).collect()
     }
 
-    /// VolPack's: where the ray meets the slices.
+    /// VolPack's: in slices, until they have faded beyond the outermost voxels.
     fn points_in_slices(&self, ray: Ray) -> Vec<DVec3> {
         let axis = ray.along.abs().max_position();
-        let count = self.spec.target.lattice.dims[axis];
-        let point = |k: usize| ray.in_slice(axis, k as f64);
+        let count = self.dims()[axis];
+        let bounds = self.spec.target.lattice.bounds();
+        let faded = Aabb::new(bounds.min - 0.5, bounds.max + 0.5);
+        let points = (0..count)
+            .map(|k| ray.in_slice(axis, k as f64))
+            .filter(|&at| faded.contains(at));
         match ray.along[axis] > 0.0 {
-            true => (0..count).map(point).collect(),
-            false => (0..count).rev().map(point).collect(),
+            true => points.collect(),
+            false => points.rev().collect(),
         }
     }
 
@@ -179,11 +159,20 @@ impl<'a> Model<'a> {
         let corners = self.corners(at);
         if self.is(Cause::Order) {
             let shown = corners.map(|(n, weight)| self.shown[n].map(|part| weight * part));
-            return shown.into_iter().fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+            let [opacity, light] = shown.into_iter().fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+            return if self.is_dropped(opacity) {
+                [0.0; 2]
+            } else {
+                [opacity, light]
+            };
         }
         let value = corners.map(|(n, weight)| weight * f64::from(self.values[n]));
         let normal = corners.map(|(n, weight)| weight * self.normals[n]);
         self.show(value.into_iter().sum(), normal.into_iter().sum())
+    }
+
+    fn is_dropped(&self, opacity: f64) -> bool {
+        self.is(Cause::Faint) && opacity <= FAINT
     }
 
     fn show(&self, value: f64, normal: DVec3) -> Shown {
@@ -206,7 +195,7 @@ impl<'a> Model<'a> {
 
     /// The voxel at a place; beyond the outermost ones these, or nothing.
     fn voxel(&self, place: DVec3) -> Option<usize> {
-        let dims = self.spec.target.lattice.dims;
+        let dims = self.dims();
         let last = DVec3::from_array(dims.map(|n| n as f64 - 1.0));
         let nearest = place.clamp(DVec3::ZERO, last);
         let [x, y, z] = nearest.to_array().map(|n| n as usize);
@@ -214,11 +203,12 @@ impl<'a> Model<'a> {
     }
 
     fn opacity(&self, value: f64) -> f64 {
-        let opacity = ((value - 30.0) / 30.0).clamp(0.0, 1.0);
-        if self.is(Cause::Faint) && opacity <= FAINT {
-            return 0.0;
-        }
-        let opacity = if self.is(Cause::Bytes) { byte_below(opacity) } else { opacity };
+        let (_, opacity) = self.spec.transfer.evaluate(value as f32);
+        let opacity = match (f64::from(opacity), self.is(Cause::Rounding)) {
+            (opacity, _) if self.is_dropped(opacity) => 0.0,
+            (opacity, true) => byte_below(opacity),
+            (opacity, false) => opacity,
+        };
         1.0 - (1.0 - opacity).powf(self.step)
     }
 
@@ -243,19 +233,18 @@ impl<'a> Model<'a> {
 
     /// Half the differences of a voxel's neighbours, in fractions of the range of values.
     fn differences(&self, voxel: usize) -> DVec3 {
-        let [nx, ny, nz] = self.spec.target.lattice.dims;
-        let [x, y, z] = [voxel % nx, voxel / nx % ny, voxel / (nx * ny)];
+        let dims = self.dims();
+        let at = [voxel % dims[0], voxel / dims[0] % dims[1], voxel / (dims[0] * dims[1])];
         let range = self.spec.target.value_range;
         let height = |by: [i64; 3]| {
-            let at: [usize; 3] = std::array::from_fn(|a| {
-                ([x, y, z][a] as i64 + by[a]).clamp(0, [nx, ny, nz][a] as i64 - 1) as usize
-            });
-            f64::from(self.values[at[0] + nx * (at[1] + ny * at[2])]) / f64::from(range.hi - range.lo)
+            let near = |a: usize| (at[a] as i64 + by[a]).clamp(0, dims[a] as i64 - 1) as usize;
+            let value = self.values[near(0) + dims[0] * (near(1) + dims[1] * near(2))];
+            f64::from(value) / f64::from(range.hi - range.lo)
         };
         if !self.is(Cause::Differences) {
             return half_differences(height);
         }
-        if [(x, nx), (y, ny), (z, nz)].iter().any(|&(n, count)| n == 0 || n + 1 == count) {
+        if (0..3).any(|a| at[a] == 0 || at[a] + 1 == dims[a]) {
             return DVec3::ZERO;
         }
         let along = |[x, y, z]: [i64; 3]| 0.5 * (height([x, y, z]) - height([-x, -y, -z]));
@@ -265,82 +254,10 @@ impl<'a> Model<'a> {
 
 impl Ray {
     /// Where it meets slice `k` across an axis.
-    fn in_slice(&self, axis: usize, k: f64) -> DVec3 {
+    pub fn in_slice(&self, axis: usize, k: f64) -> DVec3 {
         let mut at = self.through + self.along * ((k - self.through[axis]) / self.along[axis]);
         at[axis] = k;
         at
-    }
-}
-
-/// VolPack's rays: one for each voxel of the slice that is first in each direction, and of what others stand out.
-struct SliceRays {
-    /// Across the slices.
-    axis: usize,
-    /// The other two axes.
-    across: [usize; 2],
-    along: DVec3,
-    /// Ray (0, 0), where it meets slice 0.
-    first: DVec2,
-    size: [usize; 2],
-}
-
-/// What they show.
-struct SlicePicture {
-    rays: SliceRays,
-    light: Vec<f64>,
-}
-
-impl SliceRays {
-    fn new(model: &Model) -> Self {
-        let along = model.ray(DVec2::ZERO).along;
-        let axis = along.abs().max_position();
-        let across = [(axis + 1) % 3, (axis + 2) % 3];
-        let dims = model.spec.target.lattice.dims;
-        let last = dims[axis] as f64 - 1.0;
-        // How far rays go across from each slice to the next.
-        let drift = across.map(|a| along[a] / along[axis]);
-        Self {
-            axis,
-            across,
-            along,
-            // The rays through voxels of slice 0 go on to the others, or those come from the last slice. One more is before them.
-            first: DVec2::from_array(drift.map(|d| -d.max(0.0) * last - 1.0)),
-            size: std::array::from_fn(|a| dims[across[a]] + 1 + (last * drift[a].abs()).ceil() as usize),
-        }
-    }
-
-    fn draw(self, model: &Model) -> SlicePicture {
-        let [width, height] = self.size;
-        let rays = (0..width * height).into_par_iter();
-        let light = rays.map(|n| model.cast(self.ray(n % width, n / width))).collect();
-        SlicePicture { rays: self, light }
-    }
-
-    fn ray(&self, u: usize, v: usize) -> Ray {
-        let mut through = DVec3::ZERO;
-        through[self.across[0]] = self.first.x + u as f64;
-        through[self.across[1]] = self.first.y + v as f64;
-        Ray {
-            through,
-            along: self.along,
-        }
-    }
-}
-
-impl SlicePicture {
-    /// Bilinear at a place in the frame.
-    fn at(&self, model: &Model, px: DVec2) -> f64 {
-        let met = model.ray(px).in_slice(self.rays.axis, 0.0);
-        let [a, b] = self.rays.across;
-        let place = DVec2::new(met[a], met[b]) - self.rays.first;
-        let [base, fraction] = [place.floor(), place - place.floor()];
-        let light = |u: f64, v: f64| {
-            let [width, height] = self.rays.size;
-            let inside = u >= 0.0 && v >= 0.0 && u < width as f64 && v < height as f64;
-            if inside { self.light[u as usize + width * v as usize] } else { 0.0 }
-        };
-        let row = |v: f64| (1.0 - fraction.x) * light(base.x, v) + fraction.x * light(base.x + 1.0, v);
-        (1.0 - fraction.y) * row(base.y) + fraction.y * row(base.y + 1.0)
     }
 }
 
