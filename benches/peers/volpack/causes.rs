@@ -3,8 +3,10 @@
 /// What VolPack does in another way than we do.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// Voxels are classified and lit, and then interpolated; we interpolate values and normals.
-    Order,
+    /// Voxels are classified, and opacities interpolated; we interpolate values.
+    Opacity,
+    /// Voxels are lit, and what they send back is interpolated, weighted by opacity; we interpolate normals.
+    Light,
     /// Voxels, and samples between them, of opacities up to [`FAINT`] are dropped.
     Faint,
     /// Rays end at an opacity of [`END`]; ours at 1 − 1/1024.
@@ -27,8 +29,9 @@ pub enum Cause {
 
 impl Cause {
     /// All, as a volume becomes a picture.
-    pub const ALL: [Self; 9] = [
-        Self::Order,
+    pub const ALL: [Self; 10] = [
+        Self::Opacity,
+        Self::Light,
         Self::Faint,
         Self::End,
         Self::Slices,
@@ -42,7 +45,8 @@ impl Cause {
     /// VolPack's way.
     pub fn what(self) -> &'static str {
         match self {
-            Self::Order => "voxels classified and lit, then interpolated",
+            Self::Opacity => "voxels classified, then interpolated",
+            Self::Light => "voxels lit, then interpolated",
             Self::Faint => "opacities up to 0.05 dropped",
             Self::End => "rays end at 0.95",
             Self::Slices => "samples in slices",

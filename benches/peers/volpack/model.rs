@@ -40,8 +40,10 @@ pub struct Model<'a> {
     step: f64,
     /// Of each voxel, in the eye frame.
     normals: Vec<DVec3>,
-    /// What each voxel shows, where voxels are classified.
-    shown: Vec<Shown>,
+    /// Of each voxel, for a step of ray.
+    opacities: Vec<f64>,
+    /// What each voxel sends back.
+    lights: Vec<f64>,
 }
 
 impl<'a> Model<'a> {
@@ -56,17 +58,16 @@ impl<'a> Model<'a> {
             planes: spec.planes(),
             step: spec.planes().step_mm,
             normals: Vec::new(),
-            shown: Vec::new(),
+            opacities: Vec::new(),
+            lights: Vec::new(),
         };
         if model.is(Cause::Slices) {
             model.step = 1.0 / model.ray(DVec2::ZERO).along.abs().max_element();
         }
         let all = || (0..values.len()).into_par_iter();
         model.normals = all().map(|n| model.normal(n)).collect();
-        if model.is(Cause::Order) {
-            let shown = |n| model.show(f64::from(values[n]), model.normals[n]);
-            model.shown = all().map(shown).collect();
-        }
+        model.opacities = all().map(|n| model.opacity(f64::from(values[n]))).collect();
+        model.lights = all().map(|n| model.light(model.normals[n])).collect();
         Ok(model)
     }
 
@@ -157,29 +158,24 @@ impl<'a> Model<'a> {
 
     fn sample(&self, at: DVec3) -> Shown {
         let corners = self.corners(at);
-        if self.is(Cause::Order) {
-            let shown = corners.map(|(n, weight)| self.shown[n].map(|part| weight * part));
-            let [opacity, light] = shown.into_iter().fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
-            return if self.is_dropped(opacity) {
-                [0.0; 2]
-            } else {
-                [opacity, light]
-            };
+        let mean = |of: &dyn Fn(usize) -> f64| corners.iter().map(|&(n, weight)| weight * of(n)).sum::<f64>();
+        let opacity = match self.is(Cause::Opacity) {
+            true => mean(&|n| self.opacities[n]),
+            false => self.opacity(mean(&|n| f64::from(self.values[n]))),
+        };
+        if opacity == 0.0 || self.is_dropped(opacity) {
+            return [0.0; 2];
         }
-        let value = corners.map(|(n, weight)| weight * f64::from(self.values[n]));
-        let normal = corners.map(|(n, weight)| weight * self.normals[n]);
-        self.show(value.into_iter().sum(), normal.into_iter().sum())
+        let light = match (self.is(Cause::Light), self.is(Cause::Opacity)) {
+            (true, true) => mean(&|n| self.opacities[n] * self.lights[n]),
+            (true, false) => opacity * mean(&|n| self.lights[n]),
+            (false, _) => opacity * self.light(corners.iter().map(|&(n, weight)| weight * self.normals[n]).sum()),
+        };
+        [opacity, light]
     }
 
     fn is_dropped(&self, opacity: f64) -> bool {
         self.is(Cause::Faint) && opacity <= FAINT
-    }
-
-    fn show(&self, value: f64, normal: DVec3) -> Shown {
-        match self.opacity(value) {
-            0.0 => [0.0; 2],
-            opacity => [opacity, opacity * self.light(normal)],
-        }
     }
 
     /// The voxels round a point, and their trilinear weights: bilinear in a slice.

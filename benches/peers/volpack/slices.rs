@@ -41,7 +41,7 @@ impl SliceRays {
             axis,
             across,
             along,
-            // The rays through voxels of slice 0 go on to the others, or those come from the last slice. One more is before them.
+            // Rays that drift down go through the voxels of slice 0, others through those of the last; one more lies before them.
             first: DVec2::from_array(drift.map(|d| -d.max(0.0) * last - 1.0)),
             size: std::array::from_fn(|a| dims[across[a]] + 1 + (last * drift[a].abs()).ceil() as usize),
         }
