@@ -219,23 +219,23 @@ impl<'a> Model<'a> {
 
     fn normal(&self, voxel: usize) -> DVec3 {
         let lattice = &self.spec.target.lattice;
+        let range = self.spec.target.value_range;
         let differences = self.differences(voxel);
         let normal = match self.is(Cause::Normals) {
             true => normals::nearest(differences),
-            false => SoftNormals::new(lattice, self.shading.soft_gradient).normal(differences),
+            false => SoftNormals::new(lattice, self.shading.soft_gradient)
+                .normal(differences / f64::from(range.hi - range.lo)),
         };
         self.spec.camera.eye_from_world.matrix3 * normal
     }
 
-    /// Half the differences of a voxel's neighbours, in fractions of the range of values.
+    /// Half the differences of a voxel's neighbours.
     fn differences(&self, voxel: usize) -> DVec3 {
         let dims = self.dims();
         let at = [voxel % dims[0], voxel / dims[0] % dims[1], voxel / (dims[0] * dims[1])];
-        let range = self.spec.target.value_range;
         let height = |by: [i64; 3]| {
             let near = |a: usize| (at[a] as i64 + by[a]).clamp(0, dims[a] as i64 - 1) as usize;
-            let value = self.values[near(0) + dims[0] * (near(1) + dims[1] * near(2))];
-            f64::from(value) / f64::from(range.hi - range.lo)
+            f64::from(self.values[near(0) + dims[0] * (near(1) + dims[1] * near(2))])
         };
         if !self.is(Cause::Differences) {
             return half_differences(height);
