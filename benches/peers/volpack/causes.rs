@@ -54,7 +54,7 @@ impl Cause {
             Self::Differences => "central differences",
             Self::NoNormal => "ambient light without a normal",
             Self::Normals => "normals of a table",
-            Self::Rounding => "bytes rounded down",
+            Self::Rounding => "bytes rounded down, weights of a table",
         }
     }
 }
