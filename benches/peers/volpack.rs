@@ -1,7 +1,13 @@
 //! Rays cast on the processor against VolPack's shear-warp, on VolPack's own volume: one thread each, classified and shaded.
 
+mod causes;
+mod differences;
+mod model;
+mod normals;
+mod slices;
+
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -12,6 +18,8 @@ use vcsg::projection::{Camera, ControlPoint, FrameSpec, Light, Material, Setting
 use vcsg::target::{Subdivision, Target};
 use vcsg::volume::{Bricks, Grid, Voxels, io};
 
+use self::causes::{END, FAINT};
+use self::differences::{Pictures, Table};
 use crate::Outcome;
 use crate::bar::{Bar, Limit};
 use crate::frames::PICTURES;
@@ -49,6 +57,8 @@ pub struct Comparison {
     /// The bar.
     pub bar: Bar,
     difference: Difference,
+    /// What the difference comes of.
+    causes: Vec<Table>,
 }
 
 /// Compares the frames with `name` in theirs; each comparison is printed when it is done.
@@ -67,12 +77,11 @@ pub fn compare(name: &str, runs: usize) -> Outcome<Vec<Comparison>> {
 
 fn compare_one(what: String, edge: u32, runs: usize) -> Outcome<Comparison> {
     let grid = io::read(Path::new(VOLUME))?.grid;
-    build(&grid)?;
+    let values = bytes(&grid)?;
+    build(values)?;
     let theirs_path = format!("{PICTURES}/volpack-{edge}.raw");
     std::fs::create_dir_all(PICTURES)?;
-    let [width, height, depth] = grid.dims().map(|n| n.to_string());
-    let mut program = Command::new(PROGRAM);
-    program.args([RAW, &width, &height, &depth, &edge.to_string(), &theirs_path]);
+    let mut program = program(&grid, edge, [FAINT, END], &theirs_path);
     let (mut peer, about): (Peer, About) = Peer::serve(&mut program, PROGRAM)?;
     let model = scene::bare(&Arc::new(Bricks::new(&grid)));
     let target = Target::build(&model, None, &Subdivision::default())?;
@@ -105,6 +114,13 @@ fn compare_one(what: String, edge: u32, runs: usize) -> Outcome<Comparison> {
         },
         peer: format!("VolPack {}", about.version),
         difference: picture::compare(&picture, &grey(&theirs_path, edge)?, &panels)?,
+        causes: Pictures {
+            values,
+            spec: &spec,
+            ours: &picture,
+            theirs: &|thresholds| theirs_with(&grid, edge, thresholds),
+        }
+        .tables()?,
         what,
         faster,
         ours,
@@ -112,15 +128,19 @@ fn compare_one(what: String, edge: u32, runs: usize) -> Outcome<Comparison> {
     })
 }
 
+fn bytes(grid: &Grid) -> Outcome<&[u8]> {
+    match grid.voxels() {
+        Voxels::U8(voxels) => Ok(voxels),
+        _ => Err(format!("{VOLUME}: its voxels are not bytes").into()),
+    }
+}
+
 /// Compiles the peer, and writes its volume.
-fn build(grid: &Grid) -> Outcome<()> {
+fn build(voxels: &[u8]) -> Outcome<()> {
     let library = format!("{LIBRARY}/libvolpack.a");
     if !Path::new(&library).exists() {
         return Err(format!("{library} is missing: run make setup").into());
     }
-    let Voxels::U8(voxels) = grid.voxels() else {
-        return Err(format!("{VOLUME}: its voxels are not bytes").into());
-    };
     std::fs::create_dir_all("target/bench")?;
     std::fs::write(RAW, voxels)?;
     let include = format!("-I{LIBRARY}");
@@ -129,6 +149,26 @@ fn build(grid: &Grid) -> Outcome<()> {
     match status.success() {
         true => Ok(()),
         false => Err(format!("cc {SOURCE}: {status}").into()),
+    }
+}
+
+/// The peer, which leaves its picture at `path`.
+fn program(grid: &Grid, edge: u32, [faint, end]: [f64; 2], path: &str) -> Command {
+    let [width, height, depth] = grid.dims().map(|n| n.to_string());
+    let [edge, faint, end] = [edge.to_string(), faint.to_string(), end.to_string()];
+    let mut program = Command::new(PROGRAM);
+    program.args([RAW, &width, &height, &depth, &edge, &faint, &end, path]);
+    program
+}
+
+/// The peer's picture, with these thresholds.
+fn theirs_with(grid: &Grid, edge: u32, thresholds: [f64; 2]) -> Outcome<Frame> {
+    let path = format!("{PICTURES}/volpack-thresholds.raw");
+    let mut program = program(grid, edge, thresholds, &path);
+    let status = program.stdin(Stdio::null()).stdout(Stdio::null()).status()?;
+    match status.success() {
+        true => grey(&path, edge),
+        false => Err(format!("{program:?}: {status}").into()),
     }
 }
 
@@ -215,5 +255,6 @@ impl Comparison {
             d.percentile_99,
             d.max
         );
+        self.causes.iter().for_each(Table::print);
     }
 }

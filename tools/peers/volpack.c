@@ -1,10 +1,10 @@
 /* Times VolPack's shear-warp on a classified volume of bytes: a frame for every line on standard input, whose seconds are
  * printed as JSON, as tools/peers/timing.py does it. One thread. A frame is a new shading table, and a rendering.
  *
- *     volpack VOLUME WIDTH HEIGHT DEPTH EDGE PICTURE
+ *     volpack VOLUME WIDTH HEIGHT DEPTH EDGE FAINT END PICTURE
  *
  * VOLUME holds bytes, x fastest. Opacity is a ramp of density, shading a look-up of the normal, the picture a square of grey bytes
- * that holds the volume's longest edge. The material and the light are those of VolPack's own example, without depth cue. */
+ * that holds the volume's longest edge. Opacities up to FAINT are dropped, and rays end at the opacity END. The material and the light are those of VolPack's own example, without depth cue. */
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,18 +50,18 @@ static unsigned char *bytes_of(const char *path, size_t count)
 }
 
 /* Clear up to a density of 30, opaque from 60 on. */
-static void classify(vpContext *vp)
+static void classify(vpContext *vp, double faint)
 {
     static float opacity[DENSITIES];
     int x[] = {0, 30, 60, 255};
     float y[] = {0, 0, 1, 1};
     require(vp, vpRamp(opacity, sizeof(float), 4, x, y));
     require(vp, vpSetClassifierTable(vp, 0, DENSITY, opacity, sizeof opacity));
-    require(vp, vpSetd(vp, VP_MIN_VOXEL_OPACITY, 0.05));
+    require(vp, vpSetd(vp, VP_MIN_VOXEL_OPACITY, faint));
     require(vp, vpClassifyVolume(vp));
 }
 
-static void load(vpContext *vp, const char *path, const int *dims)
+static void load(vpContext *vp, const char *path, const int *dims, double faint)
 {
     struct voxel *any = NULL;
     size_t count = (size_t)dims[0] * dims[1] * dims[2];
@@ -75,7 +75,7 @@ static void load(vpContext *vp, const char *path, const int *dims)
                                row * dims[1]));
     require(vp, vpVolumeNormals(vp, densities, count, DENSITY, VP_SKIP_FIELD, NORMAL));
     free(densities);
-    classify(vp);
+    classify(vp, faint);
 }
 
 static void light(vpContext *vp)
@@ -140,23 +140,23 @@ static void serve(vpContext *vp)
 
 int main(int count, char **words)
 {
-    if (count != 7) {
-        fprintf(stderr, "usage: volpack VOLUME WIDTH HEIGHT DEPTH EDGE PICTURE\n");
+    if (count != 9) {
+        fprintf(stderr, "usage: volpack VOLUME WIDTH HEIGHT DEPTH EDGE FAINT END PICTURE\n");
         return 1;
     }
     int dims[] = {atoi(words[2]), atoi(words[3]), atoi(words[4])}, edge = atoi(words[5]);
     unsigned char *picture = memory((size_t)edge * edge);
     vpContext *vp = vpCreateContext();
-    load(vp, words[1], dims);
+    load(vp, words[1], dims, atof(words[6]));
     light(vp);
     look(vp);
-    require(vp, vpSetd(vp, VP_MAX_RAY_OPACITY, 0.95));
+    require(vp, vpSetd(vp, VP_MAX_RAY_OPACITY, atof(words[7])));
     require(vp, vpSetImage(vp, picture, edge, edge, edge, VP_LUMINANCE));
     for (int n = 0; n < WARM_UP; n++)
         draw(vp);
-    FILE *file = fopen(words[6], "wb");
+    FILE *file = fopen(words[8], "wb");
     if (file == NULL || fwrite(picture, 1, (size_t)edge * edge, file) != (size_t)edge * edge || fclose(file) != 0) {
-        fprintf(stderr, "volpack: %s cannot be written\n", words[6]);
+        fprintf(stderr, "volpack: %s cannot be written\n", words[8]);
         return 1;
     }
     printf("{\"version\": \"%s\"}\n", VP_VERSION);
