@@ -41,7 +41,15 @@ pub fn measure(runs: usize) -> Outcome<()> {
     );
     for volume in ["head", "dense"] {
         let bytes = std::fs::read(scene::raw_path(volume))?;
-        let layouts = [rows(&bytes), bricks(&bytes), closed_bricks(&bytes), morton(&bytes)];
+        let [row, plane] = [SIDE, SIDE * SIDE];
+        let layouts = [
+            rows("rows along x", [1, row, plane], &bytes),
+            rows("rows along y", [plane, 1, row], &bytes),
+            rows("rows along z", [row, plane, 1], &bytes),
+            bricks(&bytes),
+            closed_bricks(&bytes),
+            morton(&bytes),
+        ];
         let view = View::new();
         let mut taken: Vec<Vec<_>> = layouts.iter().map(|_| Vec::new()).collect();
         let mut found = Vec::new();
@@ -179,11 +187,11 @@ fn corners(strides: [usize; 3]) -> Option<[u32; 8]> {
     }))
 }
 
-fn rows(bytes: &[u8]) -> Layout {
-    let strides = [1, SIDE, SIDE * SIDE];
+/// Rows along one axis, in planes across another.
+fn rows(name: &'static str, strides: [usize; 3], bytes: &[u8]) -> Layout {
     Layout {
         corners: corners(strides),
-        ..Layout::new("rows", bytes, |axis, n| strides[axis] * n)
+        ..Layout::new(name, bytes, |axis, n| strides[axis] * n)
     }
 }
 
