@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::access::Use;
-use super::{Buffer, Device, GpuError, Image, Sampler};
+use super::{Buffer, BufferRole, Device, GpuError, Image, Sampler};
 
 /// The sort of one binding, as a pipeline declares it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +67,17 @@ impl Binding {
         }
     }
 
+    /// What the host writes, shaders only read.
+    fn require_role(&self) -> Result<(), GpuError> {
+        match self {
+            Self::WrittenStorage(buffer) if buffer.role() == BufferRole::Upload => Err(GpuError::usage(
+                buffer.label(),
+                "an upload buffer cannot be written by shaders",
+            )),
+            _ => Ok(()),
+        }
+    }
+
     fn is_on(&self, device: &Device) -> bool {
         match self {
             Self::SampledImage(image, _) => image.is_on(device),
@@ -108,12 +119,13 @@ impl Bindings {
     /// Binds `entries` to the bindings 0, 1, 2, … of set 0.
     ///
     /// # Errors
-    /// [`GpuError::Usage`] for no entries or those of another device, [`GpuError::TooLarge`]; or what Vulkan says.
+    /// [`GpuError::Usage`] for no entries, those of another device, or an upload buffer to be written, [`GpuError::TooLarge`]; or what Vulkan says.
     pub fn new(device: &Arc<Device>, label: &str, entries: &[Binding]) -> Result<Arc<Self>, GpuError> {
         if entries.is_empty() || !entries.iter().all(|entry| entry.is_on(device)) {
             return Err(GpuError::usage(label, "bindings need entries, all of the same device"));
         }
         entries.iter().try_for_each(|entry| entry.require_size(device))?;
+        entries.iter().try_for_each(Binding::require_role)?;
         let kinds: Vec<_> = entries.iter().map(Binding::kind).collect();
         let mut bindings = Self {
             device: Arc::clone(device),

@@ -7,4 +7,5 @@ mod devices;
 mod draws;
 mod mixing;
 mod order;
+mod stores;
 mod support;

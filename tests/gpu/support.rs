@@ -29,7 +29,7 @@ pub const REQUIREMENTS: Requirements = Requirements {
         Format::R8G8B8A8_UNORM,
     ],
     blended: &[Format::R32G32B32A32_SFLOAT, Format::R16G16B16A16_SFLOAT],
-    features: &[Feature::IndependentBlend],
+    features: &[Feature::IndependentBlend, Feature::FragmentStores],
     image_dimension_3d: 2048,
 };
 
