@@ -26,9 +26,6 @@ layout(location = 9) flat in vec4 half_ways[HELD_LIGHTS];
 // The thickness of a slab in the unit lengths that opacities of colours hold for.
 layout(location = 14) flat in float slab_units;
 
-// Slices write no depth, so that what is discarded may be tested first.
-layout(early_fragment_tests) in;
-
 layout(location = 0) out vec4 color;
 
 const bool MIXED = TEXELS == TEXELS_MIXED;

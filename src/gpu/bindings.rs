@@ -119,7 +119,8 @@ impl Bindings {
     /// Binds `entries` to the bindings 0, 1, 2, … of set 0.
     ///
     /// # Errors
-    /// [`GpuError::Usage`] for no entries, those of another device, or an upload buffer to be written, [`GpuError::TooLarge`]; or what Vulkan says.
+    /// [`GpuError::Usage`] for no entries, those of another device, or an upload buffer to be written; [`GpuError::TooLarge`]; or what
+    /// Vulkan says.
     pub fn new(device: &Arc<Device>, label: &str, entries: &[Binding]) -> Result<Arc<Self>, GpuError> {
         if entries.is_empty() || !entries.iter().all(|entry| entry.is_on(device)) {
             return Err(GpuError::usage(label, "bindings need entries, all of the same device"));
