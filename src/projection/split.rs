@@ -73,8 +73,8 @@ impl ShownGrid {
     /// The cells of `part` that show, plane by plane along each axis.
     fn profile(&self, part: &Part) -> Profile {
         let mut profile = Profile::new(part);
-        let [x, _, _] = [0, 1, 2].map(|a| part.high[a] - part.low[a]);
-        let mask = (u64::MAX >> (MOST_CELLS - x)) << part.low[0];
+        let width = part.high[0] - part.low[0];
+        let mask = (u64::MAX >> (MOST_CELLS - width)) << part.low[0];
         for z in part.low[2]..part.high[2] {
             for y in part.low[1]..part.high[1] {
                 profile.add_row(self.rows[y + self.count * z] & mask, y, z);

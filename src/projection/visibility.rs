@@ -169,7 +169,8 @@ pub struct Visibility<'a> {
     pub target: &'a Target,
     /// The cells of its blocks in which something shows.
     pub shown: &'a ShownCells<'a>,
-    /// Edge of the smallest cubes that are drawn apart, a power of two of at least [`CELL`] voxels.
+    /// Edge of the smallest cubes that are drawn apart, a power of two of at least [`CELL`] voxels; larger in blocks of more than 64 of
+    /// them along an axis.
     pub min_cube: usize,
     /// What of the frame is left to be drawn, unless that is all of it.
     pub remaining: Option<Remaining<'a>>,
