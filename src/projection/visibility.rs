@@ -38,8 +38,8 @@ impl VisibleValues {
     }
 
     /// The values that show in a frame: all of them where it shows values, of colours those that are at all opaque, and else those that
-    /// the transfer function makes so.
-    pub fn in_frame(spec: &FrameSpec) -> Self {
+    /// `table`, its transfer function's, makes so.
+    pub fn in_frame(spec: &FrameSpec, table: &TransferTable) -> Self {
         let range = spec.target.value_range;
         if !spec.settings.mode.classifies() {
             Self::all(range)
@@ -49,7 +49,7 @@ impl VisibleValues {
                 shown: Which::Positive,
             }
         } else {
-            Self::of(&spec.table(), range)
+            Self::of(table, range)
         }
     }
 

@@ -311,7 +311,7 @@ pub fn plan(spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
 
 /// What is drawn on `planes`, in one band.
 pub(super) fn plan_on(planes: Planes, spec: &FrameSpec, paged: &PagedTarget) -> SlicePlan {
-    let shown = ShownCells::new(&paged.cells, &VisibleValues::in_frame(spec));
+    let shown = ShownCells::new(&paged.cells, &VisibleValues::in_frame(spec, &spec.table()));
     let lattice = &spec.target.lattice;
     let visibility = Visibility {
         cost: DrawCost::new(lattice, spec.camera, &planes),

@@ -34,7 +34,7 @@ impl SliceRenderer {
         let begin = Instant::now();
         let mut timings = Timings::default();
         let shown = timed(&mut timings.plan, || {
-            ShownCells::new(&paged.cells, &VisibleValues::in_frame(spec))
+            ShownCells::new(&paged.cells, &VisibleValues::in_frame(spec, &spec.table()))
         });
         let view = BoxView::new(&spec.target.lattice, spec.camera);
         let mut planner = Planner::new(&spec.target.lattice, spec.camera, spec.planes());

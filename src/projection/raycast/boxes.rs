@@ -1,61 +1,54 @@
-//! What is cast of a target: the boxes inside its blocks in which something shows, from front to back.
+//! What is cast of a target: the part of each block in which something shows, from front to back.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
-use super::template::Template;
-use super::voxels::CastTarget;
-use crate::math::affine;
-use crate::projection::{
-    Camera, DrawCost, FrameSpec, Planes, ShownCells, Visibility, VisibleBox, VisibleValues, eye_from_lattice,
-};
-use crate::target::CELL;
+use super::gaps::ShownBlock;
+use crate::math::{Viewpoint, affine};
+use crate::projection::{Camera, FrameSpec, eye_from_lattice};
+use crate::target::{Cube, OctreeNode, Target, octants_back_to_front};
 
-/// A box and where it is seen.
-pub struct CastBox {
-    /// Index of the block that holds its voxels.
+/// A box of a block and where it is seen.
+pub struct CastBox<'a> {
+    /// Index of the block.
     pub block: usize,
-    /// Its template.
-    pub template: Template,
+    /// What shows of it.
+    pub shown: &'a ShownBlock,
     /// The columns and rows of the frame that it may cover.
     pub pixels: [std::ops::Range<u32>; 2],
 }
 
-/// The boxes of a frame that is sampled at `planes`, from front to back.
-pub fn front_to_back(spec: &FrameSpec, target: &CastTarget, planes: &Planes) -> Vec<CastBox> {
-    let visibility = Visibility {
-        target: spec.target,
-        shown: &ShownCells::new(&target.cells, &VisibleValues::in_frame(spec)),
-        min_cube: 2 * CELL,
-        remaining: None,
-        cost: DrawCost::of_rays(&spec.target.lattice, spec.camera, planes),
-    };
+/// The boxes of a frame, from front to back.
+pub fn front_to_back<'a>(spec: &FrameSpec, shown: &'a [Option<ShownBlock>]) -> Vec<CastBox<'a>> {
     let lattice = &spec.target.lattice;
-    let lattice_from_world = lattice.world_from_lattice.inverse();
-    let viewpoint = spec.camera.viewpoint().transformed(&lattice_from_world);
+    let viewpoint = spec.camera.viewpoint().transformed(&lattice.world_from_lattice.inverse());
     let eye_from_lattice = eye_from_lattice(lattice, spec.camera);
-    let cast = |visible: &VisibleBox| {
-        let bounds = visible.bounds();
-        let corners = bounds.corners().map(|c| affine::point(&eye_from_lattice, c));
+    let mut blocks = Vec::new();
+    visit(spec.target, 0, spec.target.octree.root, viewpoint, &mut blocks);
+    let cast = |&block: &u32| {
+        let block = block as usize;
+        let shown = shown[block].as_ref()?;
+        let corners = shown.bounds.corners().map(|c| affine::point(&eye_from_lattice, c));
         let pixels = covered(spec.camera, &corners)?;
-        Some(CastBox {
-            block: visible.block as usize,
-            template: Template {
-                low: bounds.min.to_array(),
-                high: bounds.max.to_array(),
-            },
-            pixels,
-        })
+        Some(CastBox { block, shown, pixels })
     };
-    visibility
-        .boxes_back_to_front(viewpoint)
-        .iter()
-        .rev()
-        .filter_map(cast)
-        .collect()
+    blocks.iter().filter_map(cast).collect()
+}
+
+/// Adds the blocks of a node from front to back.
+fn visit(target: &Target, node: usize, cube: Cube, viewpoint: Viewpoint, found: &mut Vec<u32>) {
+    match target.octree.nodes[node] {
+        OctreeNode::Empty => {}
+        OctreeNode::Block(block) => found.push(block),
+        OctreeNode::Split(first) => {
+            for octant in octants_back_to_front(&cube, viewpoint).into_iter().rev() {
+                visit(target, first as usize + octant, cube.octant(octant), viewpoint, found);
+            }
+        }
+    }
 }
 
 /// The columns and rows that a box with these corners in the eye frame may cover, if there are any.
-fn covered(camera: &Camera, corners: &[glam::DVec3; 8]) -> Option<[std::ops::Range<u32>; 2]> {
+fn covered(camera: &Camera, corners: &[DVec3; 8]) -> Option<[std::ops::Range<u32>; 2]> {
     if corners.iter().all(|c| c.z < camera.near_mm()) {
         return None;
     }

@@ -5,14 +5,19 @@ use rayon::prelude::*;
 use super::boxes;
 use super::classify::Classifier;
 use super::light::Cue;
-use super::rays::{Depths, Rays, TILE};
-use super::tile::{Scene, Tile};
+use super::packet::MARGIN;
+use super::rays::{Depths, Rays};
+use super::tile::{self, Scene, TILE};
 use super::voxels::CastTarget;
 use crate::image::Frame;
-use crate::projection::{FrameSpec, ProjectError, Projector, composite};
+use crate::projection::{FrameSpec, Lens, ProjectError, Projector, VisibleValues, composite};
+use crate::target::CELL;
 
 /// The longest side of a frame, pixels.
 const LONGEST_SIDE: u32 = 1 << 15;
+
+/// Cells are never doubled more often: their edge is that of the longest lattice then.
+const MOST_LEVELS: f64 = 28.0;
 
 /// Draws on the processor, all threads, what slices draw on a device.
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,21 +74,28 @@ pub fn accumulate(
     let rays = Rays::new(spec, depths)?;
     let [first_mm, step_mm] = rays.depth_mm();
     let planes = rays.planes;
-    let stop = |x: u32, y: u32| {
-        let surface_mm = surfaces_mm.and_then(|depths| depths.get(y as usize * width as usize + x as usize));
-        surface_mm.map_or(planes, |&mm| {
-            (((f64::from(mm) - first_mm) / step_mm).ceil() as i32).min(planes)
-        })
-    };
+    let stops = surfaces_mm.map(|depths| {
+        move |[x, y]: [u32; 2]| {
+            let plane = |&mm: &f32| ((f64::from(mm) - first_mm) / step_mm).ceil() as i32;
+            let surface = depths.get(y as usize * width as usize + x as usize);
+            surface.map_or(planes, |mm| plane(mm).min(planes))
+        }
+    });
+    let path = |[x, y]: [u32; 2]| spec.camera.path_per_depth(x, y) as f32;
+    let parallel = matches!(spec.camera.lens, Lens::Orthographic { .. });
+    let table = spec.table();
+    let level = level(rays.packet_extent().max_element());
+    let shown = target.shown(spec.target, VisibleValues::in_frame(spec, &table), level);
     let scene = Scene {
         target,
-        boxes: &boxes::front_to_back(spec, target, &depths.planes),
-        classifier: Classifier::new(spec, Cue::new(&spec.settings.depth_cue, depths, &rays)),
+        boxes: &boxes::front_to_back(spec, &shown),
+        classifier: Classifier::new(spec, &table, Cue::new(&spec.settings.depth_cue, depths, &rays)),
+        lowest: rays.lowest(),
         rays,
         blending: spec.settings.mode.blending(),
         size: spec.camera.size,
-        paths: &|x, y| spec.camera.path_per_depth(x, y) as f32,
-        stops: &stop,
+        paths: (!parallel).then_some(&path),
+        stops: stops.as_ref().map(|stops| stops as _),
     };
     let mut frame = Frame::transparent(width, height);
     let band = TILE * width as usize;
@@ -92,14 +104,21 @@ pub fn accumulate(
     Ok(frame)
 }
 
+/// How many times an edge of cells must be doubled so that no packet is larger, with its margins; packets have this `extent`.
+fn level(extent: f64) -> u32 {
+    let cells = (extent + f64::from(4.0 * MARGIN)) / CELL as f64;
+    cells.max(1.0).log2().ceil().min(MOST_LEVELS) as u32
+}
+
 /// Casts the tiles of the rows of `band`, the first of which is `top`.
 fn cast_band(scene: &Scene, top: u32, band: &mut [[f32; 4]]) {
     let width = scene.size[0] as usize;
-    for left in (0..width).step_by(TILE) {
-        let tile = Tile::cast(scene, [left as u32, top]);
-        for (pixels, row) in tile.pixels.chunks_exact(TILE).zip(band.chunks_exact_mut(width)) {
-            let columns = &mut row[left..width.min(left + TILE)];
-            columns.copy_from_slice(&pixels[..columns.len()]);
-        }
+    for left in (0..scene.size[0]).step_by(TILE) {
+        tile::cast(scene, [left, top], &mut |[x, y], color| {
+            let at = (y - top) as usize * width + x as usize;
+            if (x as usize) < width && at < band.len() {
+                band[at] = color;
+            }
+        });
     }
 }

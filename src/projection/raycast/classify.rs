@@ -1,15 +1,11 @@
 //! From samples to what is blended: colours and opacities, lit, or values.
 
-use super::blend::{self, Pixels};
-use super::bundle::{Lanes, RAYS, SAMPLES, each, whole_f32};
+use super::blend::Colours;
 use super::light::{Cue, Lights};
-use super::sample::Places;
+use super::sample::{Part, Places};
+use super::simd::{Mask, RAYS, Simd, each, larger, smaller};
 use super::voxels::{CastBlock, ONE};
-use crate::projection::composite::Blending;
 use crate::projection::{FrameSpec, Mode, TransferTable};
-
-/// What is blended of each sample: nothing of those that are not in the box.
-pub type Sources = [[f32; 4]; SAMPLES];
 
 /// The entry behind a table's last one: nothing shows.
 const NOTHING: usize = TransferTable::LEN;
@@ -20,7 +16,6 @@ type Table = [[f32; 4]; TransferTable::LEN + 1];
 /// How the samples of a frame are classified and lit.
 pub struct Classifier {
     mode: Mode,
-    blending: Blending,
     table: Box<Table>,
     /// Entry `i` counts the entries before `i` that show.
     shown_before: Vec<u32>,
@@ -30,53 +25,54 @@ pub struct Classifier {
     cue: Cue,
 }
 
-/// Where samples of a frame are.
-pub struct Bundle<'a> {
+/// The samples of a packet at a plane, those of one block.
+pub struct Bundle<'a, S: Simd> {
     pub block: &'a CastBlock,
-    pub places: Places,
+    pub places: Places<S>,
     /// Which samples are in the box.
-    pub inside: [bool; SAMPLES],
-    /// The first plane.
+    pub inside: Mask,
+    /// Which of them nothing is seen of.
+    pub hidden: Mask,
     pub plane: i32,
-    /// Millimetres of each ray a millimetre of depth.
-    pub paths: [f32; RAYS],
+    /// Millimetres of each ray a millimetre of depth; `None` where all are 1.
+    pub paths: Option<S::Float>,
 }
 
 impl Classifier {
     /// For the frame of `spec`, with its depth cue.
-    pub fn new(spec: &FrameSpec, cue: Cue) -> Self {
-        let table = table(spec);
-        let counts = table.iter().scan(0, |count, entry| {
+    pub fn new(spec: &FrameSpec, table: &TransferTable, cue: Cue) -> Self {
+        let mut entries = Box::new([[0.0; 4]; TransferTable::LEN + 1]);
+        entries[..NOTHING].copy_from_slice(table.entries());
+        let counts = entries.iter().scan(0, |count, entry| {
             *count += u32::from(entry[3] > 0.0);
             Some(*count)
         });
         let shown_before = std::iter::once(0).chain(counts).collect();
         Self {
             mode: spec.settings.mode,
-            blending: spec.settings.mode.blending(),
             shown_before,
-            table,
+            table: entries,
             slab_units: spec.slab_units().map(|units| units as f32),
             lights: spec.shading().map(|shading| Lights::new(spec, shading)),
             cue,
         }
     }
 
-    /// What is blended of samples behind `pixels`; `None` where none of them shows.
+    /// What is blended of samples; `None` where none of them shows.
     #[inline(always)]
-    pub fn sources(&self, bundle: &Bundle, pixels: &Pixels) -> Option<Sources> {
-        let weighted = bundle.places.interpolate(bundle.block, &bundle.block.weighted);
+    pub fn sources<S: Simd>(&self, bundle: &Bundle<S>) -> Option<Colours<S>> {
+        let weighted = bundle.numbers(&bundle.block.weighted);
         if !self.mode.classifies() {
-            return Some(self.values(bundle, &weighted));
+            return Some(self.values(bundle, weighted));
         }
         let colours = match self.slab_units {
-            Some(units) => self.colours(bundle, &weighted, units),
-            None => self.classified(bundle, &weighted),
+            Some(units) => self.colours(bundle, weighted, units),
+            None => self.classified(bundle, weighted),
         }?;
         Some(match self.mode {
-            Mode::XRay => colours.map(|c| [c[3]; 4]),
+            Mode::XRay => [colours[3]; 4],
             _ if self.is_plain() => colours,
-            _ => self.lit(bundle, pixels, colours),
+            _ => self.lit(bundle, colours),
         })
     }
 
@@ -88,132 +84,131 @@ impl Classifier {
 
     /// What value modes accumulate: see [`value_source`](crate::projection::composite::value_source).
     #[inline(always)]
-    fn values(&self, bundle: &Bundle, weighted: &Lanes) -> Sources {
-        let coverage = bundle.coverage().unwrap_or([ONE; SAMPLES]);
-        let mut sources = [[0.0; 4]; SAMPLES];
-        for n in 0..SAMPLES {
-            let (weighted, coverage) = (weighted[n] / ONE, coverage[n] / ONE);
-            let path = bundle.paths[n % RAYS];
-            let (value, weight) = match self.mode {
-                Mode::MinIp => (coverage - weighted, coverage),
-                Mode::Average => (weighted * path, coverage * path),
-                _ => (weighted, coverage),
-            };
-            if bundle.inside[n] {
-                sources[n] = [value, value, value, weight];
-            }
-        }
-        sources
+    fn values<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float) -> Colours<S> {
+        let one = S::float(1.0);
+        let weighted = S::divide(weighted, S::float(ONE));
+        let coverage = match bundle.coverage() {
+            Some(coverage) => S::divide(coverage, S::float(ONE)),
+            None => one,
+        };
+        let path = bundle.paths.unwrap_or(one);
+        let (value, weight) = match self.mode {
+            Mode::MinIp => (coverage - weighted, coverage),
+            Mode::Average => (weighted * path, coverage * path),
+            _ => (weighted, coverage),
+        };
+        let [value, weight] = each!(of of [value, weight] => S::choose(bundle.inside, of, S::float(0.0)));
+        [value, value, value, weight]
     }
 
     /// Table entries for the path, times coverage.
     #[inline(always)]
-    fn classified(&self, bundle: &Bundle, weighted: &Lanes) -> Option<Sources> {
+    fn classified<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float) -> Option<Colours<S>> {
         let coverage = bundle.coverage();
-        let entries = self.entries(bundle, weighted, coverage.as_ref())?;
-        let mut sources = entries.map(|entry| self.table[(entry as usize).min(NOTHING)]);
-        if bundle.paths != [1.0; RAYS] {
-            for (n, source) in sources.iter_mut().enumerate() {
-                *source = lengthened(*source, bundle.paths[n % RAYS]);
-            }
+        let mut sources = S::entries(&self.table, self.entries(bundle, weighted, coverage)?);
+        if let Some(paths) = bundle.paths {
+            lengthen::<S>(&mut sources, paths);
         }
-        if let Some(coverage) = &coverage {
-            for (source, coverage) in sources.iter_mut().zip(coverage) {
-                *source = source.map(|c| c * (coverage / ONE));
-            }
+        if let Some(coverage) = coverage {
+            let coverage = S::divide(coverage, S::float(ONE));
+            sources = each!(c of [0, 1, 2, 3] => sources[c] * coverage);
         }
         Some(sources)
     }
 
     /// The table's entry for each sample; `None` if none of those between the least and the greatest shows.
     #[inline(always)]
-    fn entries(&self, bundle: &Bundle, weighted: &Lanes, coverage: Option<&Lanes>) -> Option<[i32; SAMPLES]> {
+    fn entries<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float, coverage: Option<S::Float>) -> Option<S::Int> {
         const LAST: f32 = (TransferTable::LEN - 1) as f32;
         let places = match coverage {
-            None => each(|n| weighted[n] * (LAST / ONE)),
+            None => weighted * S::float(LAST / ONE),
             // Where nothing is covered the quotient is any number, and its colour weighs nothing.
-            Some(c) => each(|n| smaller(weighted[n] / larger(c[n], f32::MIN_POSITIVE), 1.0) * LAST),
+            Some(coverage) => {
+                let value = S::divide(weighted, larger::<S>(coverage, S::float(f32::MIN_POSITIVE)));
+                smaller::<S>(value, S::float(1.0)) * S::float(LAST)
+            }
         };
-        let (mut least, mut greatest) = (NOTHING as i32, 0);
-        let mut entries = [0; SAMPLES];
-        for n in 0..SAMPLES {
-            let entry = whole_f32(places[n]);
-            entries[n] = if bundle.inside[n] { entry } else { NOTHING as i32 };
-            least = least.min(entries[n]);
-            greatest = greatest.max(if bundle.inside[n] { entry } else { 0 });
-        }
+        let seen = bundle.inside & !bundle.hidden;
+        let entries = S::choose_int(seen, S::whole(places), S::int(NOTHING as i32));
         let before = |entry: i32| self.shown_before[(entry as usize).min(NOTHING)];
-        (before(greatest + 1) > before(least)).then_some(entries)
+        let greatest = S::greatest(S::choose_int(seen, entries, S::int(-1)));
+        (before(greatest + 1) > before(S::least(entries))).then_some(entries)
     }
 
     /// Colours that are classified already, for a path of so many unit lengths a millimetre of depth.
     #[inline(always)]
-    fn colours(&self, bundle: &Bundle, weighted: &Lanes, units: f32) -> Option<Sources> {
-        let mut sources = [[0.0; 4]; SAMPLES];
-        let mut shows = false;
-        for n in 0..SAMPLES {
-            if bundle.inside[n] && weighted[n] > 0.0 {
-                let [r, g, b, _] = bundle.places.vector(bundle.block, &bundle.block.rgb, n);
-                // Rounding may bring a colour above its opacity.
-                let [r, g, b] = [r, g, b].map(|c| smaller(c, weighted[n]));
-                let colour = [r, g, b, weighted[n]].map(|c| c / ONE);
-                sources[n] = lengthened(colour, units * bundle.paths[n % RAYS]);
-                shows = true;
-            }
+    fn colours<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float, units: f32) -> Option<Colours<S>> {
+        let shown = bundle.inside & !bundle.hidden & S::greater(weighted, S::float(0.0));
+        if shown == 0 {
+            return None;
         }
-        shows.then_some(sources)
+        let opacity = S::choose(shown, weighted, S::float(0.0));
+        // Rounding may bring a colour above its opacity.
+        let rgb = bundle.vectors(&bundle.block.rgb, shown);
+        let [r, g, b] = each!(c of [0, 1, 2] => smaller::<S>(rgb[c], opacity));
+        let mut sources = each!(c of [r, g, b, opacity] => S::divide(c, S::float(ONE)));
+        let units = S::float(units);
+        let lengths = match bundle.paths {
+            Some(paths) => units * paths,
+            None => units,
+        };
+        lengthen::<S>(&mut sources, lengths);
+        Some(sources)
     }
 
     /// Colours with light and depth cue, where they show.
     #[inline(always)]
-    fn lit(&self, bundle: &Bundle, pixels: &Pixels, colours: Sources) -> Sources {
+    fn lit<S: Simd>(&self, bundle: &Bundle<S>, colours: Colours<S>) -> Colours<S> {
+        let [r, g, b, a] = colours;
         let (factor, highlight) = match &self.lights {
             Some(lights) => {
-                let shown = blend::shown(self.blending, pixels, &colours);
-                lights.response(&bundle.normals(&shown))
+                let shown = S::greater(a, S::float(0.0)) & !bundle.hidden;
+                lights.response::<S>(&bundle.vectors(&bundle.block.normals, shown))
             }
-            None => ([1.0; SAMPLES], [0.0; SAMPLES]),
+            None => (S::float(1.0), S::float(0.0)),
         };
-        let cue = each(|n| self.cue.at(bundle.plane + (n / RAYS) as i32));
-        let mut lit = [[0.0; 4]; SAMPLES];
-        for n in 0..SAMPLES {
-            let [r, g, b, a] = colours[n];
-            let light = |c: f32| cue[n] * (factor[n] * c + highlight[n] * a);
-            lit[n] = [light(r), light(g), light(b), a];
-        }
-        lit
+        let cue = S::float(self.cue.at(bundle.plane));
+        let [r, g, b] = each!(c of [r, g, b] => cue * (factor * c + highlight * a));
+        [r, g, b, a]
     }
 }
 
-impl Bundle<'_> {
+impl<S: Simd> Bundle<'_, S> {
+    /// The samples of numbers, in steps of what is stored.
+    #[inline(always)]
+    fn numbers(&self, numbers: &[u16]) -> S::Float {
+        self.places.numbers(self.block, numbers)
+    }
+
     /// The coverage of each sample in parts of [`ONE`]; `None` where it is 1.
     #[inline(always)]
-    fn coverage(&self) -> Option<Lanes> {
+    fn coverage(&self) -> Option<S::Float> {
         let coverage = &self.block.coverage;
-        (!coverage.is_empty()).then(|| self.places.interpolate(self.block, coverage))
+        if coverage.is_empty() {
+            return None;
+        }
+        Some(self.numbers(coverage))
     }
 
-    /// The soft normals of the samples that show.
+    /// The samples of vectors that are `shown`, in steps of what is stored.
     #[inline(always)]
-    fn normals(&self, shown: &[bool; SAMPLES]) -> [[f32; 4]; SAMPLES] {
-        let stored = &self.block.normals[..];
-        let mut normals = [[0.0; 4]; SAMPLES];
-        for (n, normal) in normals.iter_mut().enumerate() {
-            if shown[n] {
-                *normal = self.places.vector(self.block, stored, n);
-            }
-        }
-        normals
+    fn vectors<T: Part>(&self, vectors: &[[T; 4]], shown: Mask) -> [S::Float; 3] {
+        self.places.vectors(self.block, vectors, shown)
     }
 }
 
-/// The table of a frame, and [`NOTHING`].
-fn table(spec: &FrameSpec) -> Box<Table> {
-    let mut table = Box::new([[0.0; 4]; TransferTable::LEN + 1]);
-    for (entry, of) in table.iter_mut().zip(spec.table().entries()) {
-        *entry = *of;
+/// Sources for paths of such lengths.
+#[inline(always)]
+fn lengthen<S: Simd>(sources: &mut Colours<S>, lengths: S::Float) {
+    let mut all = each!(c of [0, 1, 2, 3] => S::float_array(sources[c]));
+    let lengths = S::float_array(lengths);
+    for n in 0..RAYS {
+        let longer = lengthened([all[0][n], all[1][n], all[2][n], all[3][n]], lengths[n]);
+        for c in 0..4 {
+            all[c][n] = longer[c];
+        }
     }
-    table
+    *sources = each!(c of [0, 1, 2, 3] => S::floats(all[c]));
 }
 
 /// See [`lengthened`](crate::projection::table::lengthened).
@@ -225,16 +220,4 @@ fn lengthened([r, g, b, a]: [f32; 4], length: f32) -> [f32; 4] {
     let longer = 1.0 - (1.0 - a).max(0.0).powf(length);
     let scale = longer / a;
     [r * scale, g * scale, b * scale, longer]
-}
-
-/// The smaller of two numbers. What `f32::min` makes of NaN costs more.
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The larger of two numbers.
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::bundle::{Lanes, SAMPLES, each};
+use super::simd::{Simd, each};
 use super::rays::{Depths, Rays};
 use super::voxels::ONE_NORMAL;
 use crate::projection::{DepthCue, FrameSpec, Light, Shading};
@@ -38,23 +38,28 @@ impl Lights {
 
     /// The factor of a colour and the white highlight for each soft normal, which is in parts of [`ONE_NORMAL`].
     #[inline(always)]
-    pub fn response(&self, normals: &[[f32; 4]; SAMPLES]) -> (Lanes, Lanes) {
-        let m: [Lanes; 3] = [0, 1, 2].map(|axis| each(|n| normals[n][axis] * (1.0 / ONE_NORMAL)));
-        let along = |v: &Vec3| each(|n| (m[0][n] * v.x + m[1][n] * v.y + m[2][n] * v.z).abs());
-        let (mut diffuse, mut specular) = ([0.0; SAMPLES], [0.0; SAMPLES]);
+    pub fn response<S: Simd>(&self, normals: &[S::Float; 3]) -> (S::Float, S::Float) {
+        let normals = each!(axis of [0, 1, 2] => normals[axis] * S::float(1.0 / ONE_NORMAL));
+        let (mut diffuse, mut specular) = (S::float(0.0), S::float(0.0));
         for (towards, half_way, intensity) in &self.lights {
-            let facing = along(towards);
-            let mut shine = along(half_way);
+            let mut shine = along::<S>(&normals, half_way);
             for _ in 0..self.shininess_log2 {
-                shine = each(|n| shine[n] * shine[n]);
+                shine = shine * shine;
             }
-            diffuse = each(|n| diffuse[n] + intensity * facing[n]);
-            specular = each(|n| specular[n] + intensity * shine[n]);
+            diffuse = diffuse + S::float(*intensity) * along::<S>(&normals, towards);
+            specular = specular + S::float(*intensity) * shine;
         }
-        let length = each(|n| (m[0][n] * m[0][n] + m[1][n] * m[1][n] + m[2][n] * m[2][n]).sqrt());
-        let factor = each(|n| (1.0 - length[n]) + self.ambient * length[n] + self.diffuse * diffuse[n]);
-        (factor, each(|n| self.specular * specular[n]))
+        let [x, y, z] = normals;
+        let length = S::root(x * x + y * y + z * z);
+        let factor = (S::float(1.0) - length) + S::float(self.ambient) * length + S::float(self.diffuse) * diffuse;
+        (factor, S::float(self.specular) * specular)
     }
+}
+
+/// How far normals point along a direction, or against it.
+#[inline(always)]
+fn along<S: Simd>([x, y, z]: &[S::Float; 3], direction: &Vec3) -> S::Float {
+    S::absolute(*x * S::float(direction.x) + *y * S::float(direction.y) + *z * S::float(direction.z))
 }
 
 /// The depth cue by plane number: see [`DepthCue::factor`](crate::projection::DepthCue::factor).

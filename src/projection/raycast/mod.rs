@@ -14,15 +14,17 @@
 
 mod blend;
 mod boxes;
-mod bundle;
+
 mod caster;
 mod classify;
+mod gaps;
 mod levels;
 mod light;
 mod normals;
+mod packet;
 mod rays;
 mod sample;
-mod template;
+mod simd;
 mod tile;
 mod voxels;
 

@@ -1,19 +1,15 @@
 //! Rays in lattice coordinates, and where they cross the faces of boxes.
 //!
 //! *Practice.* The sampling points of a ray are equally far apart, with parallel rays and from an eye: point `k` is at
-//! `origin + k·step`, `k` counted from the first plane of the frame. Whether a point is before or behind a face is decided by
-//! [`TileRays::crossing`] alone, from the ray and the face's coordinate, so boxes that share a face agree on it.
+//! `origin + k·step`, `k` counted from the first plane of the frame. Both change by the same from each pixel to the next, so they are worked
+//! out once for the frame's first pixel. Whether a point is before or behind a face is decided by
+//! [`PacketRays::crossing`] alone, from the ray and the face's coordinate, so boxes that share a face agree on it.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
+use super::simd::{EDGE, Mask, RAYS, Simd, each};
 use crate::math::affine;
 use crate::projection::{Camera, FrameSpec, Lens, Planes, ProjectError, eye_from_lattice};
-
-/// Pixels along a tile's edge.
-pub const TILE: usize = 16;
-
-/// Pixels of a tile.
-pub const TILE_PIXELS: usize = TILE * TILE;
 
 /// The most planes that rays are sampled at: plane numbers are exact in single precision.
 const MOST_PLANES: i64 = 1 << 24;
@@ -42,10 +38,12 @@ impl Depths {
     }
 }
 
-/// The rays of a frame.
-pub struct Rays<'a> {
-    camera: &'a Camera,
-    lattice_from_eye: DAffine3,
+/// The rays of a frame, in lattice coordinates.
+pub struct Rays {
+    /// The first sampling points.
+    origin: OverFrame,
+    /// The ways from one sampling point to the next.
+    step: OverFrame,
     /// Depth of the first plane that may meet the target, and distance between planes, millimetres.
     first_mm: f64,
     step_mm: f64,
@@ -53,12 +51,53 @@ pub struct Rays<'a> {
     pub planes: i32,
 }
 
-impl<'a> Rays<'a> {
+/// A vector of each pixel of a frame.
+struct OverFrame {
+    /// That of the first pixel.
+    first: DVec3,
+    /// What is added from column to column.
+    column: DVec3,
+    /// What is added from row to row.
+    row: DVec3,
+}
+
+impl OverFrame {
+    /// Of what `f` makes of a place in the frame, in pixels.
+    fn new(f: impl Fn(DVec2) -> DVec3) -> Self {
+        let first = f(DVec2::splat(0.5));
+        Self {
+            first,
+            column: f(DVec2::new(1.5, 0.5)) - first,
+            row: f(DVec2::new(0.5, 1.5)) - first,
+        }
+    }
+
+    /// Along an axis, those of the packet whose first pixel is `first`.
+    #[inline(always)]
+    fn packet<S: Simd>(&self, axis: usize, first: [u32; 2]) -> S::Double {
+        let [x, y] = each!(a of [0, 1] => S::double(f64::from(first[a])) + S::doubles(WITHIN[a]));
+        S::double(self.first[axis]) + (x * S::double(self.column[axis]) + y * S::double(self.row[axis]))
+    }
+}
+
+/// The columns and the rows of a packet's rays.
+const WITHIN: [[f64; RAYS]; 2] = {
+    let mut within = [[0.0; RAYS]; 2];
+    let mut n = 0;
+    while n < RAYS {
+        within[0][n] = (n % EDGE) as f64;
+        within[1][n] = (n / EDGE) as f64;
+        n += 1;
+    }
+    within
+};
+
+impl Rays {
     /// The rays of the frame of `spec` in `depths`.
     ///
     /// # Errors
     /// If there are too many planes.
-    pub fn new(spec: &FrameSpec<'a>, depths: &Depths) -> Result<Self, ProjectError> {
+    pub fn new(spec: &FrameSpec, depths: &Depths) -> Result<Self, ProjectError> {
         let [near_mm, far_mm] = depths.within_mm;
         let range = depths.planes.between(near_mm.max(spec.camera.near_mm()), far_mm);
         let planes = range.end.saturating_sub(range.start).max(0);
@@ -69,11 +108,15 @@ impl<'a> Rays<'a> {
                 limit,
             });
         }
+        let (camera, step_mm) = (spec.camera, depths.planes.step_mm);
+        let first_mm = depths.planes.depth(range.start);
+        let lattice_from_eye = eye_from_lattice(&spec.target.lattice, camera).inverse();
+        let begin = |px: DVec2| affine::point(&lattice_from_eye, camera.unproject(px, first_mm));
         Ok(Self {
-            camera: spec.camera,
-            lattice_from_eye: eye_from_lattice(&spec.target.lattice, spec.camera).inverse(),
-            first_mm: depths.planes.depth(range.start),
-            step_mm: depths.planes.step_mm,
+            origin: OverFrame::new(begin),
+            step: OverFrame::new(|px| step(camera, &lattice_from_eye, px, step_mm)),
+            first_mm,
+            step_mm,
             planes: planes as i32,
         })
     }
@@ -83,72 +126,101 @@ impl<'a> Rays<'a> {
         [self.first_mm, self.step_mm]
     }
 
-    /// The first sampling point of a pixel's ray, and the way from one to the next.
-    fn ray(&self, x: u32, y: u32) -> [DVec3; 2] {
-        let begin = self.camera.point_at_depth(x, y, self.first_mm);
-        let along = match self.camera.lens {
-            Lens::Orthographic { .. } => DVec3::Z,
-            Lens::Perspective { .. } => self.camera.point_at_depth(x, y, 1.0),
+    /// How far the rays of a packet are at most apart along each axis, anywhere in the frame.
+    pub fn packet_extent(&self) -> DVec3 {
+        let last = f64::from(self.planes);
+        let apart = |plane: f64| {
+            let [column, row] = [|of: &OverFrame| of.column, |of: &OverFrame| of.row]
+                .map(|part| (part(&self.origin) + plane * part(&self.step)).abs());
+            (EDGE - 1) as f64 * (column + row)
         };
-        let step = self.lattice_from_eye.matrix3 * (along * self.step_mm);
-        [affine::point(&self.lattice_from_eye, begin), step]
+        apart(0.0).max(apart(last))
+    }
+
+    /// The ray of a packet that has the lowest coordinate along each axis, at any plane; the one across from it has the highest.
+    pub fn lowest(&self) -> [usize; 3] {
+        let last = f64::from(self.planes);
+        let falls = |part: fn(&OverFrame) -> DVec3, axis: usize| {
+            usize::from(part(&self.origin)[axis] + last * part(&self.step)[axis] < 0.0) * (EDGE - 1)
+        };
+        [0, 1, 2].map(|axis| falls(|of| of.column, axis) + EDGE * falls(|of| of.row, axis))
     }
 }
 
-/// The rays of a tile's pixels, row by row; of pixels beyond the frame too.
-pub struct TileRays {
-    origin: [[f64; TILE_PIXELS]; 3],
-    step: [[f64; TILE_PIXELS]; 3],
-    inverse: [[f64; TILE_PIXELS]; 3],
+/// The way from one sampling point to the next, of the ray through a place in the frame.
+fn step(camera: &Camera, lattice_from_eye: &DAffine3, px: DVec2, step_mm: f64) -> DVec3 {
+    let along = match camera.lens {
+        Lens::Orthographic { .. } => DVec3::Z,
+        Lens::Perspective { .. } => camera.unproject(px, 1.0),
+    };
+    lattice_from_eye.matrix3 * (along * step_mm)
+}
+
+/// The rays of a packet.
+pub struct PacketRays<S: Simd> {
+    /// Where sampling point 0 is along each axis.
+    pub origin: [S::Double; 3],
+    /// How far the next one is from it.
+    pub step: [S::Double; 3],
+    inverse: [S::Double; 3],
+    /// Which rays' coordinates rise.
+    rises: [Mask; 3],
 }
 
 /// Stands for the inverse of no movement: with it a face is crossed before the first plane or behind the last.
 const STILL: f64 = f64::MAX;
 
-impl TileRays {
-    /// The rays of the tile whose first pixel is `first`.
+/// The planes at which rays enter and leave a box, at least 0; a ray is not in the box if the first is not below the second.
+#[derive(Clone, Copy)]
+pub struct Intervals<S: Simd> {
+    /// The first covered sampling point of each ray.
+    pub begin: S::Int,
+    /// The first one behind the covered ones.
+    pub end: S::Int,
+}
+
+impl<S: Simd> PacketRays<S> {
+    /// The rays of the packet whose first pixel is `first`; of pixels beyond the frame too.
+    #[inline(always)]
     pub fn new(rays: &Rays, first: [u32; 2]) -> Self {
-        let mut tile = Self {
-            origin: [[0.0; TILE_PIXELS]; 3],
-            step: [[0.0; TILE_PIXELS]; 3],
-            inverse: [[0.0; TILE_PIXELS]; 3],
-        };
-        for n in 0..TILE_PIXELS {
-            let [origin, step] = rays.ray(first[0] + (n % TILE) as u32, first[1] + (n / TILE) as u32);
-            for axis in 0..3 {
-                tile.origin[axis][n] = origin[axis];
-                tile.step[axis][n] = step[axis];
-                tile.inverse[axis][n] = if step[axis] == 0.0 { STILL } else { step[axis].recip() };
-            }
+        let step = each!(axis of [0, 1, 2] => rays.step.packet::<S>(axis, first));
+        let zero = S::double(0.0);
+        let inverse = each!(axis of [0, 1, 2] => {
+            let moves = S::greater_double(step[axis], zero) | S::greater_double(zero, step[axis]);
+            S::choose_double(moves, S::inverse(step[axis]), S::double(STILL))
+        });
+        Self {
+            origin: each!(axis of [0, 1, 2] => rays.origin.packet::<S>(axis, first)),
+            rises: each!(axis of [0, 1, 2] => S::greater_double(inverse[axis], zero)),
+            inverse,
+            step,
         }
-        tile
     }
 
-    /// Where sampling point 0 of a pixel is along an axis, and how far the next one is from it.
+    /// The first plane, as a whole number, at or behind which rays are at or beyond coordinate `face` of an axis, whichever way
+    /// they go.
     #[inline(always)]
-    pub fn axis(&self, axis: usize, pixel: usize) -> [f64; 2] {
-        [self.origin[axis][pixel], self.step[axis][pixel]]
+    fn crossing(&self, axis: usize, face: f64) -> S::Double {
+        S::ceil_double((S::double(face) - self.origin[axis]) * self.inverse[axis])
     }
 
-    /// The first plane, as a whole number, at or behind which a ray is at or beyond coordinate `face` of an axis, whichever way
-    /// it goes.
+    /// The covered sampling points of the box between `low` and `high`.
     #[inline(always)]
-    fn crossing(&self, axis: usize, pixel: usize, face: f64) -> f64 {
-        ((face - self.origin[axis][pixel]) * self.inverse[axis][pixel]).ceil()
-    }
-
-    /// The planes at which a pixel's ray enters and leaves the box between `low` and `high`, at least 0; it is not in the box if
-    /// the first is not below the second.
-    #[inline(always)]
-    pub fn interval(&self, pixel: usize, low: &[f64; 3], high: &[f64; 3]) -> [f64; 2] {
-        let (mut enter, mut leave) = (0.0, f64::from(i32::MAX));
+    pub fn intervals(&self, low: &[f64; 3], high: &[f64; 3]) -> Intervals<S> {
+        let last = S::double((1 << 30) as f64);
+        let (mut begin, mut end) = (S::double(0.0), last);
         for axis in 0..3 {
-            let [a, b] = [low, high].map(|corner| self.crossing(axis, pixel, corner[axis]));
-            let rises = self.inverse[axis][pixel] > 0.0;
-            let (first, last) = if rises { (a, b) } else { (b, a) };
-            enter = if first > enter { first } else { enter };
-            leave = if last < leave { last } else { leave };
+            let [a, b] = each!(corner of [low, high] => self.crossing(axis, corner[axis]));
+            let first = S::choose_double(self.rises[axis], a, b);
+            let leaves = S::choose_double(self.rises[axis], b, a);
+            begin = S::choose_double(S::greater_double(first, begin), first, begin);
+            end = S::choose_double(S::greater_double(end, leaves), leaves, end);
         }
-        [enter, leave]
+        begin = S::choose_double(S::greater_double(begin, last), last, begin);
+        end = S::choose_double(S::greater_double(end, S::double(0.0)), end, S::double(0.0));
+        Intervals {
+            begin: S::whole_double(begin),
+            end: S::whole_double(end),
+        }
     }
 }

@@ -1,15 +1,18 @@
 //! A tile of the frame, cast box by box.
 
-use std::ops::Range;
-
-use super::blend::{Pixels, hides, under};
 use super::boxes::CastBox;
-use super::bundle::{RAYS, SAMPLES, STEPS};
-use super::classify::{Bundle, Classifier};
-use super::rays::{Rays, TILE, TILE_PIXELS, TileRays};
-use super::sample::Places;
+use super::classify::Classifier;
+use super::packet::Packet;
+use super::rays::Rays;
+use super::simd::{EDGE, Portable, RAYS, Simd, each};
 use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
+
+/// Packets along a tile's edge.
+const PACKETS: usize = 4;
+
+/// Pixels along a tile's edge.
+pub const TILE: usize = PACKETS * EDGE;
 
 /// Planes that a box is cast by at a time, all pixels of a tile: what they read stays in a processor's cache.
 const SLAB: i32 = 32;
@@ -17,178 +20,113 @@ const SLAB: i32 = 32;
 /// All that tiles share.
 pub struct Scene<'a> {
     pub target: &'a CastTarget,
-    pub boxes: &'a [CastBox],
-    pub rays: Rays<'a>,
+    pub boxes: &'a [CastBox<'a>],
+    pub rays: Rays,
+    /// See [`Rays::lowest`].
+    pub lowest: [usize; 3],
     pub classifier: Classifier,
     pub blending: Blending,
     /// Columns and rows.
     pub size: [u32; 2],
-    /// Millimetres of ray a millimetre of depth, of each pixel.
-    pub paths: &'a (dyn Fn(u32, u32) -> f32 + Sync),
-    /// The first plane of each pixel that a surface hides.
-    pub stops: &'a (dyn Fn(u32, u32) -> i32 + Sync),
+    /// Millimetres of ray a millimetre of depth, of each pixel; `None` where all are 1.
+    pub paths: Option<&'a (dyn Fn([u32; 2]) -> f32 + Sync)>,
+    /// The first plane of each pixel that a surface hides, if there are any.
+    pub stops: Option<&'a (dyn Fn([u32; 2]) -> i32 + Sync)>,
 }
 
-/// The pixels of a tile, row by row, those beyond the frame too.
-pub struct Tile {
-    /// What has been blended so far.
-    pub pixels: [[f32; 4]; TILE_PIXELS],
-    rays: TileRays,
-    paths: [f32; TILE_PIXELS],
-    /// The first plane of each pixel that is not sampled any more.
-    ends: [i32; TILE_PIXELS],
+/// Pixel `n` of the packet whose first pixel is `first`.
+pub fn pixel([x, y]: [u32; 2], n: usize) -> [u32; 2] {
+    [x + (n % EDGE) as u32, y + (n / EDGE) as u32]
 }
 
-impl Tile {
-    /// The tile whose first pixel is `first`.
-    pub fn cast(scene: &Scene, first: [u32; 2]) -> Self {
-        let at = |n: usize| [first[0] + (n % TILE) as u32, first[1] + (n / TILE) as u32];
-        let mut tile = Self {
-            pixels: [[0.0; 4]; TILE_PIXELS],
-            rays: TileRays::new(&scene.rays, first),
-            paths: std::array::from_fn(|n| (scene.paths)(at(n)[0], at(n)[1])),
-            ends: std::array::from_fn(|n| (scene.stops)(at(n)[0], at(n)[1])),
-        };
-        cast_boxes(&mut tile, scene, first);
-        tile
+/// Casts the tile whose first pixel is `first`; calls `f` with each of its pixels that anything may cover.
+pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+    #[cfg(target_arch = "x86_64")]
+    if avx512::is_there() {
+        return avx512::cast(scene, first, f);
+    }
+    cast_portably(scene, first, f);
+}
+
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+fn cast_portably(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+    cast_by::<Portable>(scene, first, f);
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx512 {
+    use super::super::simd::Avx512;
+    use super::{Scene, cast_by};
+
+    /// Whether the processor has what [`cast`] takes.
+    pub fn is_there() -> bool {
+        is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl")
     }
 
-    /// Goes on with those points of the rays of `pixel` and its neighbours that are in a box of `block`.
-    #[inline(always)]
-    fn march(&mut self, scene: &Scene, block: usize, pixel: usize, points: &Points) {
-        const STEP: i32 = STEPS as i32;
-        let block = &scene.target.blocks[block];
-        let paths = std::array::from_fn(|r| self.paths[pixel + r]);
-        let mut pixels: Pixels = std::array::from_fn(|r| self.pixels[pixel + r]);
-        let (first, last) = points.planes();
-        let mut plane = first - first % STEP;
-        while plane < last {
-            let inside = points.inside(plane);
-            let bundle = Bundle {
-                block,
-                places: Places::new(block, &self.rays, pixel, plane, &inside),
-                inside,
-                plane,
-                paths,
-            };
-            if let Some(sources) = scene.classifier.sources(&bundle, &pixels) {
-                under(scene.blending, &mut pixels, &sources);
-                if pixels.iter().all(|pixel| hides(scene.blending, pixel)) {
-                    break;
-                }
-            }
-            plane += STEP;
-        }
-        for (r, blended) in pixels.into_iter().enumerate() {
-            self.pixels[pixel + r] = blended;
-            if hides(scene.blending, &blended) {
-                self.ends[pixel + r] = 0;
-            }
-        }
+    /// As [`super::cast`].
+    pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+        assert!(is_there(), "a processor with AVX-512");
+        // SAFETY: it is one.
+        unsafe { cast_there(scene, first, f) }
+    }
+
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+    fn cast_there(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+        cast_by::<Avx512>(scene, first, f);
     }
 }
 
-/// The covered sampling points of the rays of a bundle.
-struct Points {
-    begin: [i32; RAYS],
-    end: [i32; RAYS],
-}
+/// The packets of a tile, row by row; those that nothing may cover are left out.
+type Packets<S> = [Option<Packet<S>>; PACKETS * PACKETS];
 
-impl Points {
-    /// The first plane of any, and the first one behind all.
-    #[inline(always)]
-    fn planes(&self) -> (i32, i32) {
-        let (mut first, mut last) = (i32::MAX, 0);
-        for r in 0..RAYS {
-            if self.begin[r] < self.end[r] {
-                first = first.min(self.begin[r]);
-                last = last.max(self.end[r]);
-            }
-        }
-        (first, last)
-    }
-
-    /// Which samples of the bundle that begins at `plane` they are.
-    #[inline(always)]
-    fn inside(&self, plane: i32) -> [bool; SAMPLES] {
-        let mut inside = [false; SAMPLES];
-        for s in 0..STEPS {
-            for r in 0..RAYS {
-                let plane = plane + s as i32;
-                inside[s * RAYS + r] = self.begin[r] <= plane && plane < self.end[r];
-            }
-        }
-        inside
-    }
-}
-
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn cast_boxes(tile: &mut Tile, scene: &Scene, first: [u32; 2]) {
+#[inline(always)]
+fn cast_by<S: Simd>(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+    let mut packets: Packets<S> = [const { None }; PACKETS * PACKETS];
     for cast_box in scene.boxes {
-        let [columns, rows] = [0, 1].map(|axis| {
-            let range = &cast_box.pixels[axis];
-            let within = |pixel: u32| pixel.saturating_sub(first[axis]).min(TILE as u32) as usize;
-            within(range.start)..within(range.end)
-        });
-        if columns.is_empty() || rows.is_empty() {
-            continue;
-        }
-        let covered = Covered::new(tile, cast_box, columns, rows);
-        let mut slab = covered.planes.start - covered.planes.start % SLAB;
-        while slab < covered.planes.end {
-            for pixel in covered.bundles() {
-                let points = Points {
-                    begin: std::array::from_fn(|r| covered.begin[pixel + r].max(slab)),
-                    end: std::array::from_fn(|r| covered.end[pixel + r].min(tile.ends[pixel + r]).min(slab + SLAB)),
-                };
-                tile.march(scene, cast_box.block, pixel, &points);
-            }
-            slab += SLAB;
+        cast_box_by(&mut packets, scene, first, cast_box);
+    }
+    for (at, packet) in packets.iter().enumerate() {
+        let Some(packet) = packet else { continue };
+        let colours = each!(c of [0, 1, 2, 3] => S::float_array(packet.pixels[c]));
+        for n in 0..RAYS {
+            f(pixel(first_of(first, at), n), [0, 1, 2, 3].map(|c: usize| colours[c][n]));
         }
     }
 }
 
-/// The covered sampling points of a tile's pixels in one box.
-struct Covered {
-    columns: Range<usize>,
-    rows: Range<usize>,
-    begin: [i32; TILE_PIXELS],
-    end: [i32; TILE_PIXELS],
-    /// All of them.
-    planes: Range<i32>,
+/// The first pixel of a packet of the tile whose first pixel is `first`.
+fn first_of([x, y]: [u32; 2], packet: usize) -> [u32; 2] {
+    [x + (packet % PACKETS * EDGE) as u32, y + (packet / PACKETS * EDGE) as u32]
 }
 
-impl Covered {
-    #[inline(always)]
-    fn new(tile: &Tile, cast_box: &CastBox, columns: Range<usize>, rows: Range<usize>) -> Self {
-        let (mut begin, mut end) = ([0; TILE_PIXELS], [0; TILE_PIXELS]);
-        let (mut nearest, mut farthest) = (i32::MAX, 0);
-        for row in rows.clone() {
-            let intervals = cast_box.template.row(&tile.rays, row);
-            for column in columns.clone() {
-                let pixel = row * TILE + column;
-                let range = [intervals.begin[column], intervals.end[column].min(tile.ends[pixel])];
-                [begin[pixel], end[pixel]] = range;
-                if range[0] < range[1] {
-                    nearest = nearest.min(range[0]);
-                    farthest = farthest.max(range[1]);
-                }
+#[inline(always)]
+fn cast_box_by<S: Simd>(packets: &mut Packets<S>, scene: &Scene, first: [u32; 2], cast_box: &CastBox) {
+    let [columns, rows] = [0, 1].map(|axis| {
+        let range = &cast_box.pixels[axis];
+        let within = |pixel: u32| (pixel.saturating_sub(first[axis]) as usize).min(TILE);
+        within(range.start) / EDGE..within(range.end).div_ceil(EDGE)
+    });
+    let (mut nearest, mut farthest) = (i32::MAX, 0);
+    let all = rows.flat_map(|row| columns.clone().map(move |column| row * PACKETS + column));
+    for n in all.clone() {
+        let packet = match &mut packets[n] {
+            Some(packet) => packet,
+            none => none.insert(Packet::new(scene, first_of(first, n))),
+        };
+        let planes = packet.enter(cast_box);
+        nearest = nearest.min(planes.start);
+        farthest = farthest.max(planes.end);
+    }
+    let mut slab = nearest - nearest % SLAB;
+    while slab < farthest {
+        for n in all.clone() {
+            if let Some(packet) = &mut packets[n] {
+                packet.march(scene, cast_box, slab..slab + SLAB);
             }
         }
-        Self {
-            columns,
-            rows,
-            begin,
-            end,
-            planes: nearest..farthest,
-        }
-    }
-
-    /// The first pixel of each bundle.
-    #[inline(always)]
-    fn bundles(&self) -> impl Iterator<Item = usize> + use<> {
-        let columns = self.columns.start / RAYS * RAYS..self.columns.end;
-        let pixels = move |row: usize| columns.clone().step_by(RAYS).map(move |column| row * TILE + column);
-        self.rows.clone().flat_map(pixels)
+        slab += SLAB;
     }
 }

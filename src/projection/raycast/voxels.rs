@@ -4,12 +4,15 @@
 //! coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
 //! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use bytemuck::Pod;
 use rayon::prelude::*;
 
+use super::gaps::ShownBlock;
 use super::normals::voxel_normals;
 use crate::array::Array;
-use crate::projection::{FrameSpec, SoftNormals};
+use crate::projection::{FrameSpec, SoftNormals, VisibleValues};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
 
 /// What is stored for 1.
@@ -23,6 +26,15 @@ pub struct CastTarget {
     pub(super) blocks: Vec<CastBlock>,
     /// The cells of each block.
     pub(super) cells: Vec<CellRanges>,
+    /// What shows of it, of the frame before.
+    shown: Mutex<Option<Shown>>,
+}
+
+/// What shows of a target, by what it depends on.
+struct Shown {
+    values: VisibleValues,
+    level: u32,
+    blocks: Arc<Vec<Option<ShownBlock>>>,
 }
 
 /// The voxels of a block and of one more on each side, x fastest.
@@ -31,6 +43,8 @@ pub(super) struct CastBlock {
     pub first: [i32; 3],
     /// How far apart stored neighbours are along each axis; 0 in a block of one value.
     pub strides: [i32; 3],
+    /// How many are stored along each axis; 1 in a block of one value.
+    pub dims: [i32; 3],
     /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`].
     pub weighted: Array<u16>,
     /// Coverage in parts of [`ONE`]; empty where it is 1 throughout.
@@ -46,7 +60,11 @@ impl CastTarget {
     pub fn new(target: &Target, normals: Option<&SoftNormals>) -> Self {
         let blocks = target.blocks.par_iter().map(|block| prepare(target, block, normals));
         let (blocks, cells) = blocks.unzip();
-        Self { blocks, cells }
+        Self {
+            blocks,
+            cells,
+            shown: Mutex::default(),
+        }
     }
 
     /// The target of `spec`, as its frame needs it.
@@ -55,6 +73,22 @@ impl CastTarget {
             .shading()
             .map(|s| SoftNormals::new(&spec.target.lattice, s.soft_gradient));
         Self::new(spec.target, normals.as_ref())
+    }
+
+    /// What of it shows if `values` do, as [`ShownBlock::all`] finds it; found anew only if it is not what was asked for before.
+    pub(super) fn shown(&self, target: &Target, values: VisibleValues, level: u32) -> Arc<Vec<Option<ShownBlock>>> {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = |shown: &&Shown| shown.level == level && shown.values == values;
+        if let Some(before) = shown.as_ref().filter(same) {
+            return before.blocks.clone();
+        }
+        let blocks = Arc::new(ShownBlock::all(target, self, &values, level));
+        *shown = Some(Shown {
+            values,
+            level,
+            blocks: blocks.clone(),
+        });
+        blocks
     }
 }
 
@@ -79,7 +113,7 @@ fn prepare(target: &Target, block: &Block, normals: Option<&SoftNormals>) -> (Ca
     if block.layout == Layout::Uniform {
         let value = scales[0] * block.range.value.lo + scales[1];
         return (
-            CastBlock::uniform(value, normals.is_some()),
+            CastBlock::uniform(block, value, normals.is_some()),
             CellRanges::uniform(&target.lattice, block),
         );
     }
@@ -91,10 +125,11 @@ fn prepare(target: &Target, block: &Block, normals: Option<&SoftNormals>) -> (Ca
 
 impl CastBlock {
     /// The two voxels that any place in a block of one value is between.
-    fn uniform(value: f32, lit: bool) -> Self {
+    fn uniform(block: &Block, value: f32, lit: bool) -> Self {
         Self {
-            first: [0; 3],
+            first: block.origin.map(|n| n as i32 - Block::APRON as i32),
             strides: [0; 3],
+            dims: [1; 3],
             weighted: vec![stored(value); 2].into(),
             coverage: Array::default(),
             rgb: Array::default(),
@@ -114,6 +149,7 @@ impl CastBlock {
         Self {
             first: block.origin.map(|n| n as i32 - Block::APRON as i32),
             strides: [1, dims[0] as i32, (dims[0] * dims[1]) as i32],
+            dims: dims.map(|n| n as i32),
             weighted,
             coverage: voxels
                 .coverage

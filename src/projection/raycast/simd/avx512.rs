@@ -1,0 +1,279 @@
+//! In registers of 512 bits.
+//!
+//! *Practice.* A cell's corners are not read one after another: the 4³ voxels that the cells of a bundle are among go into registers, row
+//! by row, and each sample takes its own from there by permutations.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Mul, Sub};
+
+use super::{EDGE, Mask, Near, Pairs, RAYS, Simd, each};
+
+/// For processors with AVX-512 F, BW, DQ and VL. Nothing of it may be called on others: it is named only behind their detection.
+pub struct Avx512;
+
+#[derive(Clone, Copy)]
+pub struct Float(__m512);
+
+#[derive(Clone, Copy)]
+pub struct Double(__m512d, __m512d);
+
+#[derive(Clone, Copy)]
+pub struct Int(__m512i);
+
+macro_rules! operator {
+    ($number:ident, $operator:ident, $f:ident, |$a:ident, $b:ident| $of:expr) => {
+        impl $operator for $number {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $f(self, other: Self) -> Self {
+                let ($a, $b) = (self, other);
+                // SAFETY: these numbers are made only where the processor has AVX-512: see [`Avx512`].
+                unsafe { $of }
+            }
+        }
+    };
+}
+
+operator!(Float, Add, add, |a, b| Float(_mm512_add_ps(a.0, b.0)));
+operator!(Float, Sub, sub, |a, b| Float(_mm512_sub_ps(a.0, b.0)));
+operator!(Float, Mul, mul, |a, b| Float(_mm512_mul_ps(a.0, b.0)));
+operator!(Double, Add, add, |a, b| Double(_mm512_add_pd(a.0, b.0), _mm512_add_pd(a.1, b.1)));
+operator!(Double, Sub, sub, |a, b| Double(_mm512_sub_pd(a.0, b.0), _mm512_sub_pd(a.1, b.1)));
+operator!(Double, Mul, mul, |a, b| Double(_mm512_mul_pd(a.0, b.0), _mm512_mul_pd(a.1, b.1)));
+operator!(Int, Add, add, |a, b| Int(_mm512_add_epi32(a.0, b.0)));
+operator!(Int, Sub, sub, |a, b| Int(_mm512_sub_epi32(a.0, b.0)));
+operator!(Int, Mul, mul, |a, b| Int(_mm512_mullo_epi32(a.0, b.0)));
+
+/// Methods of [`Simd`] that are operations of the processor.
+macro_rules! operations {
+    ($(fn $name:ident($($argument:ident: $of:ty),*) -> $result:ty { $body:expr })*) => {$(
+        #[inline(always)]
+        fn $name($($argument: $of),*) -> $result {
+            // SAFETY: called only where the processor has AVX-512 (see [`Avx512`]); nothing is read or written but the arguments.
+            unsafe { $body }
+        }
+    )*};
+}
+
+const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
+
+/// Words of the 4³ voxels from a cell's low corner to the next row, and to the next plane, in both halves.
+const ROW: i32 = 0x0004_0004;
+const PLANE: i32 = 0x0010_0010;
+
+/// The words of one part of 4² vectors of four, and of the next part behind them.
+const fn parts(first: i16) -> [i16; 32] {
+    let mut words = [0; 32];
+    let mut n = 0;
+    while n < 32 {
+        words[n] = (n % 16) as i16 * 4 + first + (n / 16) as i16;
+        n += 1;
+    }
+    words
+}
+
+static FIRST_PARTS: [i16; 32] = parts(0);
+static LAST_PARTS: [i16; 32] = parts(2);
+
+impl Simd for Avx512 {
+    type Float = Float;
+    type Double = Double;
+    type Int = Int;
+
+    operations! {
+        fn float(x: f32) -> Float { Float(_mm512_set1_ps(x)) }
+        fn floats(x: [f32; RAYS]) -> Float { Float(std::mem::transmute::<[f32; RAYS], __m512>(x)) }
+        fn float_array(x: Float) -> [f32; RAYS] { std::mem::transmute::<__m512, [f32; RAYS]>(x.0) }
+        fn double(x: f64) -> Double { Double(_mm512_set1_pd(x), _mm512_set1_pd(x)) }
+        fn doubles(x: [f64; RAYS]) -> Double {
+            {
+                let [a, b] = std::mem::transmute::<[f64; RAYS], [__m512d; 2]>(x);
+                Double(a, b)
+            }
+        }
+        fn double_array(x: Double) -> [f64; RAYS] { std::mem::transmute::<[__m512d; 2], [f64; RAYS]>([x.0, x.1]) }
+        fn int(x: i32) -> Int { Int(_mm512_set1_epi32(x)) }
+        fn ints(x: [i32; RAYS]) -> Int { Int(std::mem::transmute::<[i32; RAYS], __m512i>(x)) }
+        fn int_array(x: Int) -> [i32; RAYS] { std::mem::transmute::<__m512i, [i32; RAYS]>(x.0) }
+
+        fn divide(a: Float, b: Float) -> Float { Float(_mm512_div_ps(a.0, b.0)) }
+        fn floor(x: Float) -> Float { Float(_mm512_roundscale_ps::<DOWN>(x.0)) }
+        fn root(x: Float) -> Float { Float(_mm512_sqrt_ps(x.0)) }
+        fn absolute(x: Float) -> Float { Float(_mm512_abs_ps(x.0)) }
+        fn greater(a: Float, b: Float) -> Mask { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a.0, b.0) }
+        fn choose(mask: Mask, a: Float, b: Float) -> Float { Float(_mm512_mask_blend_ps(mask, b.0, a.0)) }
+        fn whole(x: Float) -> Int { Int(_mm512_cvtps_epi32(x.0)) }
+
+        fn inverse(x: Double) -> Double {
+            {
+                let one = _mm512_set1_pd(1.0);
+                Double(_mm512_div_pd(one, x.0), _mm512_div_pd(one, x.1))
+            }
+        }
+        fn floor_double(x: Double) -> Double {
+            Double(_mm512_roundscale_pd::<DOWN>(x.0), _mm512_roundscale_pd::<DOWN>(x.1))
+        }
+        fn ceil_double(x: Double) -> Double {
+            Double(_mm512_roundscale_pd::<UP>(x.0), _mm512_roundscale_pd::<UP>(x.1))
+        }
+        fn greater_double(a: Double, b: Double) -> Mask {
+            Mask::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a.0, b.0))
+                | Mask::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a.1, b.1)) << 8
+        }
+        fn choose_double(mask: Mask, a: Double, b: Double) -> Double {
+            Double(
+                _mm512_mask_blend_pd(mask as u8, b.0, a.0),
+                _mm512_mask_blend_pd((mask >> 8) as u8, b.1, a.1),
+            )
+        }
+        fn whole_double(x: Double) -> Int {
+            Int(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(_mm512_cvtpd_epi32(x.0)), _mm512_cvtpd_epi32(x.1)))
+        }
+        fn single(x: Double) -> Float {
+            Float(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(_mm512_cvtpd_ps(x.0)), _mm512_cvtpd_ps(x.1)))
+        }
+
+        fn greater_int(a: Int, b: Int) -> Mask { _mm512_cmpgt_epi32_mask(a.0, b.0) }
+        fn choose_int(mask: Mask, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
+        fn least(x: Int) -> i32 { _mm512_reduce_min_epi32(x.0) }
+        fn greatest(x: Int) -> i32 { _mm512_reduce_max_epi32(x.0) }
+        fn unsigned_halves(x: Int) -> [Float; 2] {
+            [
+                Float(_mm512_cvtepi32_ps(_mm512_and_epi32(x.0, _mm512_set1_epi32(0xffff)))),
+                Float(_mm512_cvtepi32_ps(_mm512_srli_epi32::<16>(x.0))),
+            ]
+        }
+        fn signed_halves(x: Int) -> [Float; 2] {
+            [
+                Float(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(x.0)))),
+                Float(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(x.0))),
+            ]
+        }
+    }
+
+    /// Four entries a register, one in each quarter, and then four by four transposed.
+    #[inline(always)]
+    fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Int) -> [Float; 4] {
+        let places = Self::int_array(places);
+        let at = |n: usize| table[places[n] as usize].as_ptr();
+        // SAFETY: each entry is four numbers that the table holds; the processor has AVX-512.
+        unsafe {
+            let [a, b, c, d] = each!(n of [0, 1, 2, 3] => {
+                let a = _mm512_castps128_ps512(_mm_loadu_ps(at(n)));
+                let b = _mm512_insertf32x4::<1>(a, _mm_loadu_ps(at(n + 4)));
+                let c = _mm512_insertf32x4::<2>(b, _mm_loadu_ps(at(n + 8)));
+                _mm512_insertf32x4::<3>(c, _mm_loadu_ps(at(n + 12)))
+            });
+            let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+            let (ef, gh) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+            [
+                Float(_mm512_shuffle_ps::<0x44>(ab, cd)),
+                Float(_mm512_shuffle_ps::<0xee>(ab, cd)),
+                Float(_mm512_shuffle_ps::<0x44>(ef, gh)),
+                Float(_mm512_shuffle_ps::<0xee>(ef, gh)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn near(cell: &[Int; 3], inside: Mask, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>> {
+        const LAST: i32 = EDGE as i32 - 2;
+        let mut near = Near {
+            corner: 0,
+            strides: [dims[0] as usize, dims[0] as usize * dims[1] as usize],
+            cell: Self::int(0),
+        };
+        let (mut stride, mut beyond) = (1, 0);
+        let mut words = Self::int(1 << 16);
+        for axis in 0..3 {
+            let last = dims[axis] - EDGE as i32;
+            if last < 0 {
+                return None;
+            }
+            let low = Self::int_array(cell[axis])[lowest[axis]].clamp(0, last);
+            near.corner += low as usize * stride;
+            stride *= dims[axis] as usize;
+            let at = cell[axis] - Self::int(low);
+            // SAFETY: the processor has AVX-512.
+            beyond |= unsafe { _mm512_cmpgt_epu32_mask(at.0, _mm512_set1_epi32(LAST)) };
+            words = words + at * Self::int([0x0001_0001, ROW, PLANE][axis]);
+        }
+        near.cell = words;
+        (beyond & inside == 0).then_some(near)
+    }
+
+    #[inline(always)]
+    fn near_pairs(near: &Near<Self>, numbers: &[u16]) -> Pairs<Self> {
+        let rows = rows(near, numbers);
+        // SAFETY: each row is four numbers, eight bytes; the processor has AVX-512.
+        unsafe {
+            let row = |z: usize, y: usize| rows[4 * z + y].as_ptr().cast::<i64>().read_unaligned();
+            let [low, high] = each!(z of [0, 2] => {
+                _mm512_set_epi64(
+                    row(z + 1, 3),
+                    row(z + 1, 2),
+                    row(z + 1, 1),
+                    row(z + 1, 0),
+                    row(z, 3),
+                    row(z, 2),
+                    row(z, 1),
+                    row(z, 0),
+                )
+            });
+            permute(near, low, high)
+        }
+    }
+
+    #[inline(always)]
+    fn near_vectors(near: &Near<Self>, vectors: &[[u16; 4]]) -> [Pairs<Self>; 3] {
+        let rows = rows(near, vectors);
+        // SAFETY: each row is four vectors, 32 bytes, and the words of `parts` are 64 bytes; the processor has AVX-512.
+        unsafe {
+            let first = _mm512_loadu_si512(FIRST_PARTS.as_ptr().cast());
+            let last = _mm512_loadu_si512(LAST_PARTS.as_ptr().cast());
+            // The parts of a plane: the first two, and the third.
+            let planes = each!(z of [0, 1, 2, 3] => {
+                let [a, b] = each!(n of [4 * z, 4 * z + 2] => {
+                    let [low, high] = each!(n of [n, n + 1] => _mm256_loadu_si256(rows[n].as_ptr().cast()));
+                    _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+                });
+                [
+                    _mm512_permutex2var_epi16(a, first, b),
+                    _mm512_permutex2var_epi16(a, last, b),
+                ]
+            });
+            let x = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0x44>(planes[z][0], planes[z + 1][0]));
+            let y = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0xee>(planes[z][0], planes[z + 1][0]));
+            let z = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0x44>(planes[z][1], planes[z + 1][1]));
+            each!(part of [x, y, z] => permute(near, part[0], part[1]))
+        }
+    }
+}
+
+/// The sixteen rows of four that the 4³ voxels are.
+#[inline(always)]
+fn rows<'a, T>(near: &Near<Avx512>, stored: &'a [T]) -> [&'a [T; EDGE]; 16] {
+    let [y, z] = near.strides;
+    let all = &stored[near.corner..][..3 * y + 3 * z + EDGE];
+    std::array::from_fn(|n| {
+        // SAFETY: `all` ends behind the last of them.
+        unsafe { &*all.as_ptr().add(n % 4 * y + n / 4 * z).cast::<[T; EDGE]>() }
+    })
+}
+
+/// What each sample takes of 4³ words, two planes a register.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn permute(near: &Near<Avx512>, low: __m512i, high: __m512i) -> Pairs<Avx512> {
+    each!(by of [0, ROW, PLANE, PLANE + ROW] => {
+        // SAFETY: as above.
+        unsafe {
+            let words = _mm512_add_epi32(near.cell.0, _mm512_set1_epi32(by));
+            Int(_mm512_permutex2var_epi16(low, words, high))
+        }
+    })
+}

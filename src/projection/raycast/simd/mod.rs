@@ -1,0 +1,122 @@
+//! Sixteen numbers side by side, those of the rays of a square of pixels.
+//!
+//! *Practice.* The ray caster is written once, for any [`Simd`]: [`Portable`] in arrays, which compilers turn into what vectors the
+//! processor has, [`Avx512`] in registers of 512 bits. Each operation rounds as the other's does, so the bits of a frame are the same.
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+use std::ops::{Add, Mul, Sub};
+
+#[cfg(target_arch = "x86_64")]
+pub use avx512::Avx512;
+pub use portable::Portable;
+
+/// Pixels along an edge of a packet's square.
+pub const EDGE: usize = 4;
+
+/// Rays of a packet, row by row, and samples of a bundle.
+pub const RAYS: usize = EDGE * EDGE;
+
+/// Some of sixteen, a bit each.
+pub type Mask = u16;
+
+/// Two stored numbers side by side on each of the four edges along x of each sample's cell, the first in the low half.
+pub type Pairs<S> = [<S as Simd>::Int; 4];
+
+/// A corner of the 4³ voxels that all cells of a bundle are among, and where in it each cell's low corner is.
+#[derive(Clone, Copy)]
+pub struct Near<S: Simd> {
+    /// The stored voxel at the low corner of all.
+    pub corner: usize,
+    /// How far rows and planes of stored voxels are apart.
+    pub strides: [usize; 2],
+    /// Each cell's low corner, x fastest, in both halves, one more in the high one.
+    pub cell: S::Int,
+}
+
+/// A way of doing sixteen operations at once.
+pub trait Simd: Sized + 'static {
+    /// Sixteen numbers of single precision.
+    type Float: Copy + Add<Output = Self::Float> + Sub<Output = Self::Float> + Mul<Output = Self::Float>;
+    /// Sixteen of double precision.
+    type Double: Copy + Add<Output = Self::Double> + Sub<Output = Self::Double> + Mul<Output = Self::Double>;
+    /// Sixteen integers of 32 bits, which wrap.
+    type Int: Copy + Add<Output = Self::Int> + Sub<Output = Self::Int> + Mul<Output = Self::Int>;
+
+    fn float(x: f32) -> Self::Float;
+    fn floats(x: [f32; RAYS]) -> Self::Float;
+    fn float_array(x: Self::Float) -> [f32; RAYS];
+    fn double(x: f64) -> Self::Double;
+    fn doubles(x: [f64; RAYS]) -> Self::Double;
+    fn double_array(x: Self::Double) -> [f64; RAYS];
+    fn int(x: i32) -> Self::Int;
+    fn ints(x: [i32; RAYS]) -> Self::Int;
+    fn int_array(x: Self::Int) -> [i32; RAYS];
+
+    fn divide(a: Self::Float, b: Self::Float) -> Self::Float;
+    fn floor(x: Self::Float) -> Self::Float;
+    fn root(x: Self::Float) -> Self::Float;
+    fn absolute(x: Self::Float) -> Self::Float;
+    /// Where `a > b`.
+    fn greater(a: Self::Float, b: Self::Float) -> Mask;
+    /// `a` where `mask` says, else `b`.
+    fn choose(mask: Mask, a: Self::Float, b: Self::Float) -> Self::Float;
+    /// The nearest whole number, the even one of two; all must be less than 2²².
+    fn whole(x: Self::Float) -> Self::Int;
+
+    fn inverse(x: Self::Double) -> Self::Double;
+    fn floor_double(x: Self::Double) -> Self::Double;
+    fn ceil_double(x: Self::Double) -> Self::Double;
+    fn greater_double(a: Self::Double, b: Self::Double) -> Mask;
+    fn choose_double(mask: Mask, a: Self::Double, b: Self::Double) -> Self::Double;
+    /// The nearest whole number; all must be less than 2³¹.
+    fn whole_double(x: Self::Double) -> Self::Int;
+    fn single(x: Self::Double) -> Self::Float;
+
+    fn greater_int(a: Self::Int, b: Self::Int) -> Mask;
+    fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int;
+    fn least(x: Self::Int) -> i32;
+    fn greatest(x: Self::Int) -> i32;
+    /// The low half of each as a number without sign, and the high half.
+    fn unsigned_halves(x: Self::Int) -> [Self::Float; 2];
+    /// Likewise with signs.
+    fn signed_halves(x: Self::Int) -> [Self::Float; 2];
+
+    /// The entries of a table at the places of each, all of which it has.
+    fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Self::Int) -> [Self::Float; 4];
+
+    /// Where cells lie of which the nth has its low corner at `cell` along each axis, if all of those that are `inside` are among 4³ of
+    /// stored voxels with such `dims`, and numbers can be taken from registers.
+    fn near(cell: &[Self::Int; 3], inside: Mask, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>>;
+    /// The numbers round samples.
+    fn near_pairs(near: &Near<Self>, numbers: &[u16]) -> Pairs<Self>;
+    /// The first three parts of the vectors round samples, by their bits.
+    fn near_vectors(near: &Near<Self>, vectors: &[[u16; 4]]) -> [Pairs<Self>; 3];
+}
+
+/// What an expression is for each of some, as an array. A closure would not do: what it does is compiled for any processor, unless the
+/// compiler happens to put it in place.
+macro_rules! each {
+    ($n:ident of [$($of:expr),+] => $value:expr) => {
+        [$({
+            let $n = $of;
+            $value
+        }),+]
+    };
+}
+
+pub(super) use each;
+
+/// `a` or `b`, whichever is smaller.
+#[inline(always)]
+pub fn smaller<S: Simd>(a: S::Float, b: S::Float) -> S::Float {
+    S::choose(S::greater(b, a), a, b)
+}
+
+/// `a` or `b`, whichever is larger.
+#[inline(always)]
+pub fn larger<S: Simd>(a: S::Float, b: S::Float) -> S::Float {
+    S::choose(S::greater(a, b), a, b)
+}

@@ -1,0 +1,270 @@
+//! In arrays, which compilers turn into what vectors there are.
+
+use std::ops::{Add, Mul, Sub};
+
+use super::{Mask, Near, Pairs, RAYS, Simd};
+
+/// For any processor.
+pub struct Portable;
+
+/// Sixteen of anything.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub struct Sixteen<T>([T; RAYS]);
+
+impl<T: Copy> Sixteen<T> {
+    /// What `f` makes of each.
+    #[inline(always)]
+    fn map<R: Copy + Default>(self, f: impl Fn(T) -> R) -> Sixteen<R> {
+        let mut all = [R::default(); RAYS];
+        for n in 0..RAYS {
+            all[n] = f(self.0[n]);
+        }
+        Sixteen(all)
+    }
+
+    /// What `f` makes of each with the other's.
+    #[inline(always)]
+    fn with<R: Copy + Default>(self, other: Self, f: impl Fn(T, T) -> R) -> Sixteen<R> {
+        let mut all = [R::default(); RAYS];
+        for n in 0..RAYS {
+            all[n] = f(self.0[n], other.0[n]);
+        }
+        Sixteen(all)
+    }
+
+    /// Where `f` says so.
+    #[inline(always)]
+    fn which(self, other: Self, f: impl Fn(T, T) -> bool) -> Mask {
+        let mut mask = 0;
+        for n in 0..RAYS {
+            mask |= Mask::from(f(self.0[n], other.0[n])) << n;
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn choose(mask: Mask, a: Self, b: Self) -> Self {
+        let mut all = b.0;
+        for n in 0..RAYS {
+            all[n] = if mask >> n & 1 == 1 { a.0[n] } else { b.0[n] };
+        }
+        Self(all)
+    }
+}
+
+macro_rules! arithmetic {
+    ($number:ty, $add:expr, $sub:expr, $mul:expr) => {
+        impl Add for Sixteen<$number> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                self.with(other, $add)
+            }
+        }
+
+        impl Sub for Sixteen<$number> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                self.with(other, $sub)
+            }
+        }
+
+        impl Mul for Sixteen<$number> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                self.with(other, $mul)
+            }
+        }
+    };
+}
+
+arithmetic!(f32, |a, b| a + b, |a, b| a - b, |a, b| a * b);
+arithmetic!(f64, |a, b| a + b, |a, b| a - b, |a, b| a * b);
+arithmetic!(i32, i32::wrapping_add, i32::wrapping_sub, i32::wrapping_mul);
+
+impl Simd for Portable {
+    type Float = Sixteen<f32>;
+    type Double = Sixteen<f64>;
+    type Int = Sixteen<i32>;
+
+    #[inline(always)]
+    fn float(x: f32) -> Self::Float {
+        Sixteen([x; RAYS])
+    }
+
+    #[inline(always)]
+    fn floats(x: [f32; RAYS]) -> Self::Float {
+        Sixteen(x)
+    }
+
+    #[inline(always)]
+    fn float_array(x: Self::Float) -> [f32; RAYS] {
+        x.0
+    }
+
+    #[inline(always)]
+    fn double(x: f64) -> Self::Double {
+        Sixteen([x; RAYS])
+    }
+
+    #[inline(always)]
+    fn doubles(x: [f64; RAYS]) -> Self::Double {
+        Sixteen(x)
+    }
+
+    #[inline(always)]
+    fn double_array(x: Self::Double) -> [f64; RAYS] {
+        x.0
+    }
+
+    #[inline(always)]
+    fn int(x: i32) -> Self::Int {
+        Sixteen([x; RAYS])
+    }
+
+    #[inline(always)]
+    fn ints(x: [i32; RAYS]) -> Self::Int {
+        Sixteen(x)
+    }
+
+    #[inline(always)]
+    fn int_array(x: Self::Int) -> [i32; RAYS] {
+        x.0
+    }
+
+    #[inline(always)]
+    fn divide(a: Self::Float, b: Self::Float) -> Self::Float {
+        a.with(b, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn floor(x: Self::Float) -> Self::Float {
+        x.map(f32::floor)
+    }
+
+    #[inline(always)]
+    fn root(x: Self::Float) -> Self::Float {
+        x.map(f32::sqrt)
+    }
+
+    #[inline(always)]
+    fn absolute(x: Self::Float) -> Self::Float {
+        x.map(f32::abs)
+    }
+
+    #[inline(always)]
+    fn greater(a: Self::Float, b: Self::Float) -> Mask {
+        a.which(b, |a, b| a > b)
+    }
+
+    #[inline(always)]
+    fn choose(mask: Mask, a: Self::Float, b: Self::Float) -> Self::Float {
+        Sixteen::choose(mask, a, b)
+    }
+
+    /// Vectors have no conversion that saturates as `as` does.
+    #[inline(always)]
+    fn whole(x: Self::Float) -> Self::Int {
+        const FIRST: f32 = 1.5 * (1 << 23) as f32;
+        x.map(|x| ((x + FIRST).to_bits() as i32).wrapping_sub(FIRST.to_bits() as i32))
+    }
+
+    #[inline(always)]
+    fn inverse(x: Self::Double) -> Self::Double {
+        x.map(f64::recip)
+    }
+
+    #[inline(always)]
+    fn floor_double(x: Self::Double) -> Self::Double {
+        x.map(f64::floor)
+    }
+
+    #[inline(always)]
+    fn ceil_double(x: Self::Double) -> Self::Double {
+        x.map(f64::ceil)
+    }
+
+    #[inline(always)]
+    fn greater_double(a: Self::Double, b: Self::Double) -> Mask {
+        a.which(b, |a, b| a > b)
+    }
+
+    #[inline(always)]
+    fn choose_double(mask: Mask, a: Self::Double, b: Self::Double) -> Self::Double {
+        Sixteen::choose(mask, a, b)
+    }
+
+    #[inline(always)]
+    fn whole_double(x: Self::Double) -> Self::Int {
+        const FIRST: f64 = 1.5 * (1u64 << 52) as f64;
+        x.map(|x| (x + FIRST).to_bits() as i32)
+    }
+
+    #[inline(always)]
+    fn single(x: Self::Double) -> Self::Float {
+        x.map(|x| x as f32)
+    }
+
+    #[inline(always)]
+    fn greater_int(a: Self::Int, b: Self::Int) -> Mask {
+        a.which(b, |a, b| a > b)
+    }
+
+    #[inline(always)]
+    fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int {
+        Sixteen::choose(mask, a, b)
+    }
+
+    #[inline(always)]
+    fn least(x: Self::Int) -> i32 {
+        x.0.into_iter().fold(i32::MAX, i32::min)
+    }
+
+    #[inline(always)]
+    fn greatest(x: Self::Int) -> i32 {
+        x.0.into_iter().fold(i32::MIN, i32::max)
+    }
+
+    #[inline(always)]
+    fn unsigned_halves(x: Self::Int) -> [Self::Float; 2] {
+        [x.map(|x| (x & 0xffff) as f32), x.map(|x| (x as u32 >> 16) as i32 as f32)]
+    }
+
+    #[inline(always)]
+    fn signed_halves(x: Self::Int) -> [Self::Float; 2] {
+        [x.map(|x| (x << 16 >> 16) as f32), x.map(|x| (x >> 16) as f32)]
+    }
+
+    #[inline(always)]
+    fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Self::Int) -> [Self::Float; 4] {
+        let mut entries = [[0.0; RAYS]; 4];
+        for (n, place) in places.0.into_iter().enumerate() {
+            let entry = table[place as usize];
+            (entries[0][n], entries[1][n]) = (entry[0], entry[1]);
+            (entries[2][n], entries[3][n]) = (entry[2], entry[3]);
+        }
+        entries.map(Sixteen)
+    }
+
+    /// Nothing is permuted by arrays that is not as well fetched one after another.
+    #[inline(always)]
+    fn near(_: &[Self::Int; 3], _: Mask, _: &[usize; 3], _: [i32; 3]) -> Option<Near<Self>> {
+        None
+    }
+
+    #[inline(always)]
+    fn near_pairs(_: &Near<Self>, _: &[u16]) -> Pairs<Self> {
+        [Self::int(0); 4]
+    }
+
+    #[inline(always)]
+    fn near_vectors(_: &Near<Self>, _: &[[u16; 4]]) -> [Pairs<Self>; 3] {
+        [[Self::int(0); 4]; 3]
+    }
+}
