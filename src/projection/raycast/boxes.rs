@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::gaps::ShownBlock;
+use super::shown::ShownBlock;
 use crate::math::{Viewpoint, affine};
 use crate::projection::{Camera, FrameSpec, eye_from_lattice};
 use crate::target::{Cube, OctreeNode, Target, octants_back_to_front};

@@ -5,19 +5,16 @@ use rayon::prelude::*;
 use super::boxes;
 use super::classify::Classifier;
 use super::light::Cue;
-use super::packet::MARGIN;
+use super::hops::MARGIN;
 use super::rays::{Depths, Rays};
+use super::shown::edge_for;
 use super::tile::{self, Scene, TILE};
 use super::voxels::CastTarget;
 use crate::image::Frame;
 use crate::projection::{FrameSpec, Lens, ProjectError, Projector, VisibleValues, composite};
-use crate::target::CELL;
 
 /// The longest side of a frame, pixels.
 const LONGEST_SIDE: u32 = 1 << 15;
-
-/// Cells are never doubled more often: their edge is that of the longest lattice then.
-const MOST_LEVELS: f64 = 28.0;
 
 /// Draws on the processor, all threads, what slices draw on a device.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,13 +81,12 @@ pub fn accumulate(
     let path = |[x, y]: [u32; 2]| spec.camera.path_per_depth(x, y) as f32;
     let parallel = matches!(spec.camera.lens, Lens::Orthographic { .. });
     let table = spec.table();
-    let level = level(rays.packet_extent().max_element());
-    let shown = target.shown(spec.target, VisibleValues::in_frame(spec, &table), level);
+    let edge = edge_for(rays.packet_extent().max_element() + f64::from(4.0 * MARGIN));
+    let shown = target.shown(spec.target, VisibleValues::in_frame(spec, &table), edge);
     let scene = Scene {
         target,
         boxes: &boxes::front_to_back(spec, &shown),
         classifier: Classifier::new(spec, &table, Cue::new(&spec.settings.depth_cue, depths, &rays)),
-        lowest: rays.lowest(),
         rays,
         blending: spec.settings.mode.blending(),
         size: spec.camera.size,
@@ -102,12 +98,6 @@ pub fn accumulate(
     let bands = frame.pixels_mut().par_chunks_mut(band).enumerate();
     bands.for_each(|(n, band)| cast_band(&scene, (n * TILE) as u32, band));
     Ok(frame)
-}
-
-/// How many times an edge of cells must be doubled so that no packet is larger, with its margins; packets have this `extent`.
-fn level(extent: f64) -> u32 {
-    let cells = (extent + f64::from(4.0 * MARGIN)) / CELL as f64;
-    cells.max(1.0).log2().ceil().min(MOST_LEVELS) as u32
 }
 
 /// Casts the tiles of the rows of `band`, the first of which is `top`.

@@ -17,8 +17,8 @@ type Table = [[f32; 4]; TransferTable::LEN + 1];
 pub struct Classifier {
     mode: Mode,
     table: Box<Table>,
-    /// Entry `i` counts the entries before `i` that show.
-    shown_before: Vec<u32>,
+    /// The first entry that shows, and the last one; none does if the one is not before the other.
+    shown: [i32; 2],
     /// See [`FrameSpec::slab_units`].
     slab_units: Option<f32>,
     lights: Option<Lights>,
@@ -43,14 +43,11 @@ impl Classifier {
     pub fn new(spec: &FrameSpec, table: &TransferTable, cue: Cue) -> Self {
         let mut entries = Box::new([[0.0; 4]; TransferTable::LEN + 1]);
         entries[..NOTHING].copy_from_slice(table.entries());
-        let counts = entries.iter().scan(0, |count, entry| {
-            *count += u32::from(entry[3] > 0.0);
-            Some(*count)
-        });
-        let shown_before = std::iter::once(0).chain(counts).collect();
+        let shows = |entry: &[f32; 4]| entry[3] > 0.0;
+        let last = entries.iter().rposition(shows).unwrap_or(0);
         Self {
             mode: spec.settings.mode,
-            shown_before,
+            shown: [entries.iter().position(shows).unwrap_or(NOTHING), last].map(|entry| entry as i32),
             table: entries,
             slab_units: spec.slab_units().map(|units| units as f32),
             lights: spec.shading().map(|shading| Lights::new(spec, shading)),
@@ -105,7 +102,13 @@ impl Classifier {
     #[inline(always)]
     fn classified<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float) -> Option<Colours<S>> {
         let coverage = bundle.coverage();
-        let mut sources = S::entries(&self.table, self.entries(bundle, weighted, coverage)?);
+        let entries = self.entries::<S>(weighted, coverage);
+        let beyond = S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1]));
+        let seen = bundle.inside & !bundle.hidden & !beyond;
+        if seen == 0 {
+            return None;
+        }
+        let mut sources = S::entries(&self.table, S::choose_int(seen, entries, S::int(NOTHING as i32)));
         if let Some(paths) = bundle.paths {
             lengthen::<S>(&mut sources, paths);
         }
@@ -113,26 +116,21 @@ impl Classifier {
             let coverage = S::divide(coverage, S::float(ONE));
             sources = each!(c of [0, 1, 2, 3] => sources[c] * coverage);
         }
-        Some(sources)
+        (S::greater(sources[3], S::float(0.0)) != 0).then_some(sources)
     }
 
-    /// The table's entry for each sample; `None` if none of those between the least and the greatest shows.
+    /// The table's entry for each sample.
     #[inline(always)]
-    fn entries<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float, coverage: Option<S::Float>) -> Option<S::Int> {
+    fn entries<S: Simd>(&self, weighted: S::Float, coverage: Option<S::Float>) -> S::Int {
         const LAST: f32 = (TransferTable::LEN - 1) as f32;
-        let places = match coverage {
+        S::whole(match coverage {
             None => weighted * S::float(LAST / ONE),
             // Where nothing is covered the quotient is any number, and its colour weighs nothing.
             Some(coverage) => {
                 let value = S::divide(weighted, larger::<S>(coverage, S::float(f32::MIN_POSITIVE)));
                 smaller::<S>(value, S::float(1.0)) * S::float(LAST)
             }
-        };
-        let seen = bundle.inside & !bundle.hidden;
-        let entries = S::choose_int(seen, S::whole(places), S::int(NOTHING as i32));
-        let before = |entry: i32| self.shown_before[(entry as usize).min(NOTHING)];
-        let greatest = S::greatest(S::choose_int(seen, entries, S::int(-1)));
-        (before(greatest + 1) > before(S::least(entries))).then_some(entries)
+        })
     }
 
     /// Colours that are classified already, for a path of so many unit lengths a millimetre of depth.

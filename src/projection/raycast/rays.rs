@@ -41,9 +41,11 @@ impl Depths {
 /// The rays of a frame, in lattice coordinates.
 pub struct Rays {
     /// The first sampling points.
-    origin: OverFrame,
+    pub origin: OverFrame,
     /// The ways from one sampling point to the next.
-    step: OverFrame,
+    pub step: OverFrame,
+    /// The ray of a packet that has the lowest coordinate along each axis, at any plane; the one across from it has the highest.
+    pub lowest: [usize; 3],
     /// Depth of the first plane that may meet the target, and distance between planes, millimetres.
     first_mm: f64,
     step_mm: f64,
@@ -52,7 +54,7 @@ pub struct Rays {
 }
 
 /// A vector of each pixel of a frame.
-struct OverFrame {
+pub struct OverFrame {
     /// That of the first pixel.
     first: DVec3,
     /// What is added from column to column.
@@ -75,7 +77,12 @@ impl OverFrame {
     /// Along an axis, those of the packet whose first pixel is `first`.
     #[inline(always)]
     fn packet<S: Simd>(&self, axis: usize, first: [u32; 2]) -> S::Double {
-        let [x, y] = each!(a of [0, 1] => S::double(f64::from(first[a])) + S::doubles(WITHIN[a]));
+        self.at::<S>(axis, each!(a of [0, 1] => S::double(f64::from(first[a])) + S::doubles(WITHIN[a])))
+    }
+
+    /// Along an axis, those of pixels in these columns and rows.
+    #[inline(always)]
+    pub fn at<S: Simd>(&self, axis: usize, [x, y]: [S::Double; 2]) -> S::Double {
         S::double(self.first[axis]) + (x * S::double(self.column[axis]) + y * S::double(self.row[axis]))
     }
 }
@@ -112,9 +119,12 @@ impl Rays {
         let first_mm = depths.planes.depth(range.start);
         let lattice_from_eye = eye_from_lattice(&spec.target.lattice, camera).inverse();
         let begin = |px: DVec2| affine::point(&lattice_from_eye, camera.unproject(px, first_mm));
+        let origin = OverFrame::new(begin);
+        let step = OverFrame::new(|px| step(camera, &lattice_from_eye, px, step_mm));
         Ok(Self {
-            origin: OverFrame::new(begin),
-            step: OverFrame::new(|px| step(camera, &lattice_from_eye, px, step_mm)),
+            lowest: lowest(&origin, &step, planes as f64),
+            origin,
+            step,
             first_mm,
             step_mm,
             planes: planes as i32,
@@ -136,15 +146,14 @@ impl Rays {
         };
         apart(0.0).max(apart(last))
     }
+}
 
-    /// The ray of a packet that has the lowest coordinate along each axis, at any plane; the one across from it has the highest.
-    pub fn lowest(&self) -> [usize; 3] {
-        let last = f64::from(self.planes);
-        let falls = |part: fn(&OverFrame) -> DVec3, axis: usize| {
-            usize::from(part(&self.origin)[axis] + last * part(&self.step)[axis] < 0.0) * (EDGE - 1)
-        };
-        [0, 1, 2].map(|axis| falls(|of| of.column, axis) + EDGE * falls(|of| of.row, axis))
-    }
+/// See [`Rays::lowest`]; the last plane is `last` from the first.
+fn lowest(origin: &OverFrame, step: &OverFrame, last: f64) -> [usize; 3] {
+    let falls = |part: fn(&OverFrame) -> DVec3, axis: usize| {
+        usize::from(part(origin)[axis] + last * part(step)[axis] < 0.0) * (EDGE - 1)
+    };
+    [0, 1, 2].map(|axis| falls(|of| of.column, axis) + EDGE * falls(|of| of.row, axis))
 }
 
 /// The way from one sampling point to the next, of the ray through a place in the frame.
@@ -170,6 +179,14 @@ pub struct PacketRays<S: Simd> {
 /// Stands for the inverse of no movement: with it a face is crossed before the first plane or behind the last.
 const STILL: f64 = f64::MAX;
 
+/// One over steps, or [`STILL`].
+#[inline(always)]
+pub fn inverse<S: Simd>(step: S::Double) -> S::Double {
+    let zero = S::double(0.0);
+    let moves = S::greater_double(step, zero) | S::greater_double(zero, step);
+    S::choose_double(moves, S::inverse(step), S::double(STILL))
+}
+
 /// The planes at which rays enter and leave a box, at least 0; a ray is not in the box if the first is not below the second.
 #[derive(Clone, Copy)]
 pub struct Intervals<S: Simd> {
@@ -185,10 +202,7 @@ impl<S: Simd> PacketRays<S> {
     pub fn new(rays: &Rays, first: [u32; 2]) -> Self {
         let step = each!(axis of [0, 1, 2] => rays.step.packet::<S>(axis, first));
         let zero = S::double(0.0);
-        let inverse = each!(axis of [0, 1, 2] => {
-            let moves = S::greater_double(step[axis], zero) | S::greater_double(zero, step[axis]);
-            S::choose_double(moves, S::inverse(step[axis]), S::double(STILL))
-        });
+        let inverse = each!(axis of [0, 1, 2] => inverse::<S>(step[axis]));
         Self {
             origin: each!(axis of [0, 1, 2] => rays.origin.packet::<S>(axis, first)),
             rises: each!(axis of [0, 1, 2] => S::greater_double(inverse[axis], zero)),

@@ -1,15 +1,15 @@
 //! A tile of the frame, cast box by box.
 
+use std::ops::Range;
+
 use super::boxes::CastBox;
 use super::classify::Classifier;
+use super::hops::{Hops, PACKETS};
 use super::packet::Packet;
 use super::rays::Rays;
-use super::simd::{EDGE, Portable, RAYS, Simd, each};
+use super::simd::{EDGE, Mask, Portable, RAYS, Simd, each};
 use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
-
-/// Packets along a tile's edge.
-const PACKETS: usize = 4;
 
 /// Pixels along a tile's edge.
 pub const TILE: usize = PACKETS * EDGE;
@@ -22,8 +22,6 @@ pub struct Scene<'a> {
     pub target: &'a CastTarget,
     pub boxes: &'a [CastBox<'a>],
     pub rays: Rays,
-    /// See [`Rays::lowest`].
-    pub lowest: [usize; 3],
     pub classifier: Classifier,
     pub blending: Blending,
     /// Columns and rows.
@@ -104,29 +102,39 @@ fn first_of([x, y]: [u32; 2], packet: usize) -> [u32; 2] {
 
 #[inline(always)]
 fn cast_box_by<S: Simd>(packets: &mut Packets<S>, scene: &Scene, first: [u32; 2], cast_box: &CastBox) {
-    let [columns, rows] = [0, 1].map(|axis| {
-        let range = &cast_box.pixels[axis];
-        let within = |pixel: u32| (pixel.saturating_sub(first[axis]) as usize).min(TILE);
-        within(range.start) / EDGE..within(range.end).div_ceil(EDGE)
-    });
-    let (mut nearest, mut farthest) = (i32::MAX, 0);
-    let all = rows.flat_map(|row| columns.clone().map(move |column| row * PACKETS + column));
-    for n in all.clone() {
-        let packet = match &mut packets[n] {
-            Some(packet) => packet,
-            none => none.insert(Packet::new(scene, first_of(first, n))),
-        };
-        let planes = packet.enter(cast_box);
-        nearest = nearest.min(planes.start);
-        farthest = farthest.max(planes.end);
+    let covers = |axis: usize| {
+        let Range { start, end } = cast_box.pixels[axis];
+        start < first[axis] + TILE as u32 && first[axis] < end
+    };
+    if !covers(0) || !covers(1) {
+        return;
     }
-    let mut slab = nearest - nearest % SLAB;
-    while slab < farthest {
-        for n in all.clone() {
-            if let Some(packet) = &mut packets[n] {
-                packet.march(scene, cast_box, slab..slab + SLAB);
-            }
+    let block = &scene.target.blocks[cast_box.block];
+    let mut hops = Hops::<S>::new(&scene.rays, first, block, cast_box);
+    let mut entered: Mask = 0;
+    loop {
+        hops.hop(&cast_box.shown.gaps);
+        let left = hops.before_ends();
+        if left == 0 {
+            return;
         }
-        slab += SLAB;
+        let (mut planes, ends) = (S::int_array(hops.planes), S::int_array(hops.ends));
+        let nearest = S::least(S::choose_int(left, hops.planes, S::int(i32::MAX)));
+        let slab = nearest - nearest % SLAB + SLAB;
+        for n in 0..PACKETS * PACKETS {
+            if left >> n & 1 == 0 || planes[n] >= slab {
+                continue;
+            }
+            let packet = match &mut packets[n] {
+                Some(packet) => packet,
+                none => none.insert(Packet::new(scene, first_of(first, n))),
+            };
+            if entered >> n & 1 == 0 {
+                entered |= 1 << n;
+                packet.enter(cast_box);
+            }
+            planes[n] = packet.march(scene, block, planes[n]..slab.min(ends[n]));
+        }
+        hops.planes = S::ints(planes);
     }
 }

@@ -4,13 +4,14 @@
 //! coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
 //! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bytemuck::Pod;
 use rayon::prelude::*;
 
-use super::gaps::ShownBlock;
 use super::normals::voxel_normals;
+use super::shown::ShownBlock;
 use crate::array::Array;
 use crate::projection::{FrameSpec, SoftNormals, VisibleValues};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
@@ -33,7 +34,7 @@ pub struct CastTarget {
 /// What shows of a target, by what it depends on.
 struct Shown {
     values: VisibleValues,
-    level: u32,
+    edge: usize,
     blocks: Arc<Vec<Option<ShownBlock>>>,
 }
 
@@ -76,16 +77,16 @@ impl CastTarget {
     }
 
     /// What of it shows if `values` do, as [`ShownBlock::all`] finds it; found anew only if it is not what was asked for before.
-    pub(super) fn shown(&self, target: &Target, values: VisibleValues, level: u32) -> Arc<Vec<Option<ShownBlock>>> {
+    pub(super) fn shown(&self, target: &Target, values: VisibleValues, edge: usize) -> Arc<Vec<Option<ShownBlock>>> {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |shown: &&Shown| shown.level == level && shown.values == values;
+        let same = |shown: &&Shown| shown.edge == edge && shown.values == values;
         if let Some(before) = shown.as_ref().filter(same) {
             return before.blocks.clone();
         }
-        let blocks = Arc::new(ShownBlock::all(target, self, &values, level));
+        let blocks = Arc::new(ShownBlock::all(target, self, &values, edge));
         *shown = Some(Shown {
             values,
-            level,
+            edge,
             blocks: blocks.clone(),
         });
         blocks
@@ -124,6 +125,23 @@ fn prepare(target: &Target, block: &Block, normals: Option<&SoftNormals>) -> (Ca
 }
 
 impl CastBlock {
+    /// Whether what shows of it can be told from its voxels alone.
+    pub fn is_looked_into(&self) -> bool {
+        self.strides[0] != 0 && self.coverage.is_empty()
+    }
+
+    /// The least and the greatest of what is stored of values in a box of voxels; `None` if it is empty.
+    pub fn ends(&self, [x, y, z]: [Range<usize>; 3]) -> Option<[u16; 2]> {
+        let [_, row, plane] = self.strides.map(|stride| stride as usize);
+        let (mut least, mut greatest) = (u16::MAX, 0);
+        for begin in z.flat_map(|z| y.clone().map(move |y| y * row + z * plane)) {
+            for &voxel in &self.weighted[begin + x.start..begin + x.end] {
+                (least, greatest) = (least.min(voxel), greatest.max(voxel));
+            }
+        }
+        (least <= greatest).then_some([least, greatest])
+    }
+
     /// The two voxels that any place in a block of one value is between.
     fn uniform(block: &Block, value: f32, lit: bool) -> Self {
         Self {

@@ -136,9 +136,12 @@ impl Simd for Avx512 {
         }
 
         fn greater_int(a: Int, b: Int) -> Mask { _mm512_cmpgt_epi32_mask(a.0, b.0) }
+        fn and(a: Int, b: Int) -> Int { Int(_mm512_and_epi32(a.0, b.0)) }
+        fn shift_right(a: Int, by: Int) -> Int { Int(_mm512_srlv_epi32(a.0, by.0)) }
         fn choose_int(mask: Mask, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
         fn least(x: Int) -> i32 { _mm512_reduce_min_epi32(x.0) }
         fn greatest(x: Int) -> i32 { _mm512_reduce_max_epi32(x.0) }
+        fn to_float(x: Int) -> Float { Float(_mm512_cvtepi32_ps(x.0)) }
         fn unsigned_halves(x: Int) -> [Float; 2] {
             [
                 Float(_mm512_cvtepi32_ps(_mm512_and_epi32(x.0, _mm512_set1_epi32(0xffff)))),
@@ -150,6 +153,23 @@ impl Simd for Avx512 {
                 Float(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(x.0)))),
                 Float(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(x.0))),
             ]
+        }
+    }
+
+    /// Two numbers at a time, of which the place is the first, or the second of the last two.
+    #[inline(always)]
+    fn look_up(list: &[u16], places: Int) -> Int {
+        if let [only] = list {
+            return Self::int(i32::from(*only));
+        }
+        let last = list[..list.len().min(i32::MAX as usize)].len() as i32 - 1;
+        // SAFETY: two numbers from a place before the last are the list's; the processor has AVX-512.
+        unsafe {
+            let places = _mm512_min_epu32(places.0, _mm512_set1_epi32(last));
+            let before = _mm512_min_epu32(places, _mm512_set1_epi32(last - 1));
+            let two = _mm512_i32gather_epi32::<2>(before, list.as_ptr().cast());
+            let second = _mm512_slli_epi32::<4>(_mm512_sub_epi32(places, before));
+            Int(_mm512_and_epi32(_mm512_srlv_epi32(two, second), _mm512_set1_epi32(0xffff)))
         }
     }
 

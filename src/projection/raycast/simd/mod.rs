@@ -76,13 +76,20 @@ pub trait Simd: Sized + 'static {
     fn single(x: Self::Double) -> Self::Float;
 
     fn greater_int(a: Self::Int, b: Self::Int) -> Mask;
+    fn and(a: Self::Int, b: Self::Int) -> Self::Int;
+    fn shift_right(a: Self::Int, by: Self::Int) -> Self::Int;
     fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int;
     fn least(x: Self::Int) -> i32;
     fn greatest(x: Self::Int) -> i32;
+    /// The numbers that they are.
+    fn to_float(x: Self::Int) -> Self::Float;
     /// The low half of each as a number without sign, and the high half.
     fn unsigned_halves(x: Self::Int) -> [Self::Float; 2];
     /// Likewise with signs.
     fn signed_halves(x: Self::Int) -> [Self::Float; 2];
+
+    /// What a list has at each place; at others than its own, anything of it. It is not empty.
+    fn look_up(list: &[u16], places: Self::Int) -> Self::Int;
 
     /// The entries of a table at the places of each, all of which it has.
     fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Self::Int) -> [Self::Float; 4];

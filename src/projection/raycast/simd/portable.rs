@@ -217,6 +217,16 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn and(a: Self::Int, b: Self::Int) -> Self::Int {
+        a.with(b, |a, b| a & b)
+    }
+
+    #[inline(always)]
+    fn shift_right(a: Self::Int, by: Self::Int) -> Self::Int {
+        a.with(by, |a, by| ((a as u32) >> (by & 31)) as i32)
+    }
+
+    #[inline(always)]
     fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int {
         Sixteen::choose(mask, a, b)
     }
@@ -232,6 +242,11 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn to_float(x: Self::Int) -> Self::Float {
+        x.map(|x| x as f32)
+    }
+
+    #[inline(always)]
     fn unsigned_halves(x: Self::Int) -> [Self::Float; 2] {
         [x.map(|x| (x & 0xffff) as f32), x.map(|x| (x as u32 >> 16) as i32 as f32)]
     }
@@ -239,6 +254,11 @@ impl Simd for Portable {
     #[inline(always)]
     fn signed_halves(x: Self::Int) -> [Self::Float; 2] {
         [x.map(|x| (x << 16 >> 16) as f32), x.map(|x| (x >> 16) as f32)]
+    }
+
+    #[inline(always)]
+    fn look_up(list: &[u16], places: Self::Int) -> Self::Int {
+        places.map(|place| i32::from(list[(place as u32 as usize).min(list.len() - 1)]))
     }
 
     #[inline(always)]

@@ -1,0 +1,162 @@
+//! What shows of blocks.
+//!
+//! *Practice.* Cells whose [ranges](CellRanges) show are looked into: of their halves along each axis, ranges come of the stored voxels
+//! themselves. All is found when the transfer function changes, not in a frame.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::gaps::Gaps;
+use super::voxels::{CastBlock, CastTarget, ONE};
+use crate::math::{Aabb, Interval};
+use crate::projection::VisibleValues;
+use crate::target::{CELL, CellRanges, Target};
+
+/// The shortest edge of cells, voxels.
+const SHORTEST: usize = CELL / 2;
+
+/// What shows of a block.
+pub struct ShownBlock {
+    /// The box of all that shows, in lattice coordinates.
+    pub bounds: Aabb,
+    /// Where in it nothing does.
+    pub gaps: Gaps,
+}
+
+/// Which cells of a block show.
+pub struct Cells {
+    /// Voxels along a cell's edge, a power of two.
+    pub edge: usize,
+    /// The low corner of the first cell, in stored voxels.
+    pub begin: DVec3,
+    /// Cells along each axis.
+    pub dims: [usize; 3],
+    /// Whether anything shows of each, x fastest.
+    pub shown: Vec<bool>,
+}
+
+/// The edge of the smallest cells that no packet of such an extent is larger than, voxels.
+pub fn edge_for(extent: f64) -> usize {
+    /// That of the longest lattice there can be.
+    const LONGEST: f64 = (1u32 << 30) as f64;
+    (extent.min(LONGEST).ceil() as usize).next_power_of_two().max(SHORTEST)
+}
+
+impl ShownBlock {
+    /// What shows of each block of a target if `values` do, in cells with an `edge` of so many voxels; `None` of a block of which nothing
+    /// does.
+    pub fn all(target: &Target, cast: &CastTarget, values: &VisibleValues, edge: usize) -> Vec<Option<Self>> {
+        let range = target.value_range;
+        let of = |n: usize| {
+            let stored = &cast.blocks[n];
+            let first = DVec3::from_array(stored.first.map(f64::from));
+            let mut cells = Cells::of_ranges(&cast.cells[n], values, cast.cells[n].begin(&target.lattice) - first);
+            if edge < CELL && stored.is_looked_into() {
+                cells = cells.halved(stored, values, range);
+            }
+            while cells.edge < edge {
+                cells = cells.doubled();
+            }
+            let bounds = cells.bounds()?;
+            Some(Self {
+                bounds: Aabb::new(bounds.min + first, bounds.max + first).intersect(&target.blocks[n].bounds()),
+                gaps: Gaps::new(&cells),
+            })
+        };
+        (0..cast.blocks.len()).into_par_iter().map(of).collect()
+    }
+}
+
+impl Cells {
+    /// Those of `ranges`, from `begin` on.
+    fn of_ranges(ranges: &CellRanges, values: &VisibleValues, begin: DVec3) -> Self {
+        Self {
+            edge: CELL,
+            begin,
+            dims: ranges.dims,
+            shown: ranges.ranges.par_iter().map(|range| values.any_in(*range)).collect(),
+        }
+    }
+
+    /// The place of a cell.
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        x + self.dims[0] * (y + self.dims[1] * z)
+    }
+
+    /// The halves along each axis of the cells of `block`.
+    fn halved(&self, block: &CastBlock, values: &VisibleValues, range: Interval) -> Self {
+        let edge = self.edge / 2;
+        let dims = self.dims.map(|n| 2 * n);
+        // The first voxel in the first cell.
+        let first = (self.begin + 0.5).to_array().map(|voxel| voxel as i64);
+        let shows = |cell: [usize; 3]| {
+            let voxels = [0, 1, 2].map(|axis| {
+                let begin = first[axis] + (edge * cell[axis]) as i64;
+                let within = |voxel: i64| voxel.clamp(0, i64::from(block.dims[axis])) as usize;
+                // And one more on each side.
+                within(begin - 1)..within(begin + edge as i64 + 1)
+            });
+            let of_range = |stored: u16| range.lo + f32::from(stored) / ONE * range.width();
+            let ends = block.ends(voxels);
+            ends.is_some_and(|[lo, hi]| {
+                values.any_in(Interval {
+                    lo: of_range(lo),
+                    hi: of_range(hi),
+                })
+            })
+        };
+        let mut shown = vec![false; dims.iter().product()];
+        let rows = shown.par_chunks_exact_mut(dims[0].max(1)).enumerate();
+        rows.for_each(|(row, shown)| {
+            let [y, z] = [row % dims[1], row / dims[1]];
+            for (x, shown) in shown.iter_mut().enumerate() {
+                *shown = self.shown[self.index([x / 2, y / 2, z / 2])] && shows([x, y, z]);
+            }
+        });
+        let begin = self.begin;
+        Self {
+            edge,
+            begin,
+            dims,
+            shown,
+        }
+    }
+
+    /// Two along each axis taken for one.
+    fn doubled(&self) -> Self {
+        let mut doubled = Self {
+            edge: 2 * self.edge,
+            begin: self.begin,
+            dims: self.dims.map(|n| n.div_ceil(2)),
+            shown: Vec::new(),
+        };
+        doubled.shown = vec![false; doubled.dims.iter().product()];
+        self.each_shown(|cell| {
+            let at = doubled.index(cell.map(|n| n / 2));
+            doubled.shown[at] = true;
+        });
+        doubled
+    }
+
+    /// Calls `f` with each cell that shows.
+    fn each_shown(&self, mut f: impl FnMut([usize; 3])) {
+        for (row, shown) in self.shown.chunks_exact(self.dims[0].max(1)).enumerate() {
+            for x in (0..shown.len()).filter(|x| shown[*x]) {
+                f([x, row % self.dims[1], row / self.dims[1]]);
+            }
+        }
+    }
+
+    /// The box of those that show, in stored voxels, if any does.
+    fn bounds(&self) -> Option<Aabb> {
+        let (mut first, mut end) = (self.dims, [0; 3]);
+        self.each_shown(|cell| {
+            for axis in 0..3 {
+                first[axis] = first[axis].min(cell[axis]);
+                end[axis] = end[axis].max(cell[axis] + 1);
+            }
+        });
+        let corner = |cell: [usize; 3]| self.begin + self.edge as f64 * DVec3::from_array(cell.map(|n| n as f64));
+        (end != [0; 3]).then(|| Aabb::new(corner(first), corner(end)))
+    }
+}
