@@ -57,9 +57,9 @@ pub fn value_source(mode: Mode, weighted: f64, coverage: f64, path_per_depth: f6
 }
 
 /// Accumulated pixels as premultiplied RGBA. Value modes show greys of the transfer function's window.
-pub fn resolve(mode: Mode, accumulated: &Frame, value_range: Interval, transfer: &TransferFunction) -> Frame {
+pub fn resolve(mode: Mode, accumulated: Frame, value_range: Interval, transfer: &TransferFunction) -> Frame {
     if mode.classifies() {
-        return accumulated.clone();
+        return accumulated;
     }
     let window = transfer.window();
     accumulated.map(|[value, .., weight]| {

@@ -46,7 +46,7 @@ pub fn render_where(voxels: &VoxelTarget, spec: &FrameSpec, shown: &(dyn Fn(DVec
                 *pixel = marcher.pixel(x as u32, y as u32).map(|c| c as f32);
             }
         });
-    composite::resolve(spec.settings.mode, &frame, spec.target.value_range, spec.transfer)
+    composite::resolve(spec.settings.mode, frame, spec.target.value_range, spec.transfer)
 }
 
 /// A sample of the target: fraction of the value range (or opacity) times coverage, coverage, colour times opacity and coverage, and

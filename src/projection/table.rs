@@ -24,7 +24,11 @@ impl TransferTable {
         let entry = |i: usize| {
             let fraction = i as f32 / (Self::LEN - 1) as f32;
             let (color, opacity) = function.evaluate(range.lo + fraction * range.width().max(0.0));
-            let alpha = (1.0 - (1.0 - f64::from(opacity)).powf(exponent)) as f32;
+            let alpha = if opacity > 0.0 && opacity < 1.0 {
+                (1.0 - (1.0 - f64::from(opacity)).powf(exponent)) as f32
+            } else {
+                opacity
+            };
             [color[0] * alpha, color[1] * alpha, color[2] * alpha, alpha]
         };
         Self {

@@ -104,8 +104,8 @@ impl LevelsSpec<'_> {
         }
         drawn.zones.reverse();
         let range = self.levels.value_range;
-        drawn.frame = composite::resolve(self.settings.mode, &drawn.frame, range, self.transfer);
-        Ok(drawn)
+        let frame = composite::resolve(self.settings.mode, drawn.frame, range, self.transfer);
+        Ok(LevelsFrame { frame, ..drawn })
     }
 
     /// Draws one zone and puts it before what is drawn already.

@@ -55,9 +55,9 @@ pub(super) struct Accumulated {
 
 impl Accumulated {
     /// The frame, premultiplied and without background.
-    fn resolve(&self, spec: &FrameSpec) -> Frame {
+    fn resolve(self, spec: &FrameSpec) -> Frame {
         let mode = spec.settings.mode;
-        let projection = composite::resolve(mode, &self.samples, spec.target.value_range, spec.transfer);
+        let projection = composite::resolve(mode, self.samples, spec.target.value_range, spec.transfer);
         match &self.surfaces {
             Some(surfaces) => composite::over_surfaces(mode, &projection, surfaces),
             None => projection,

@@ -53,7 +53,7 @@ pub fn require_size([width, height]: [u32; 2]) -> Result<(), ProjectError> {
 pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) -> Result<Frame, ProjectError> {
     let frame = accumulate(spec, target, &Depths::of(spec), surfaces_mm)?;
     let range = spec.target.value_range;
-    Ok(composite::resolve(spec.settings.mode, &frame, range, spec.transfer))
+    Ok(composite::resolve(spec.settings.mode, frame, range, spec.transfer))
 }
 
 /// Likewise in a part of the frame's depths, what its mode accumulates there: see [`composite::resolve`].
@@ -104,10 +104,12 @@ pub fn accumulate(
 fn cast_band(scene: &Scene, top: u32, band: &mut [[f32; 4]]) {
     let width = scene.size[0] as usize;
     for left in (0..scene.size[0]).step_by(TILE) {
-        tile::cast(scene, [left, top], &mut |[x, y], color| {
-            let at = (y - top) as usize * width + x as usize;
-            if (x as usize) < width && at < band.len() {
-                band[at] = color;
+        tile::cast(scene, [left, top], &mut |[x, y], pixels| {
+            let (x, row) = (x as usize, (y - top) as usize);
+            let Some(row) = band.chunks_exact_mut(width).nth(row) else { return };
+            if let Some(rest) = row.get_mut(x..) {
+                let count = rest.len().min(pixels.len());
+                rest[..count].copy_from_slice(&pixels[..count]);
             }
         });
     }

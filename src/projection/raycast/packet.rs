@@ -11,6 +11,9 @@ use super::simd::{Mask, Simd};
 use super::tile::{Scene, pixel};
 use super::voxels::CastBlock;
 
+/// Planes in a row at which nothing shows, from which on it is asked how far that goes: to ask costs about as much.
+const MISSES: u32 = 3;
+
 /// The rays of a square of pixels, those beyond the frame too.
 pub struct Packet<S: Simd> {
     /// What has been blended so far.
@@ -60,6 +63,7 @@ impl<S: Simd> Packet<S> {
     #[inline(always)]
     pub fn march(&mut self, scene: &Scene, block: &CastBlock, planes: Range<i32>) -> i32 {
         let mut start: Option<Start<S>> = None;
+        let mut misses = 0;
         for plane in planes.clone() {
             let before = S::greater_int(self.covered.end, S::int(plane));
             if before == 0 {
@@ -70,7 +74,8 @@ impl<S: Simd> Packet<S> {
                 Some(start) if start.reaches(plane) => start,
                 _ => start.insert(Start::new(block, &self.rays, plane)),
             };
-            if !self.sample(scene, block, start, plane, inside) {
+            misses = if self.sample(scene, block, start, plane, inside) { 0 } else { misses + 1 };
+            if misses == MISSES {
                 return plane + 1;
             }
         }

@@ -7,7 +7,7 @@ use super::classify::Classifier;
 use super::hops::{Hops, PACKETS};
 use super::packet::Packet;
 use super::rays::Rays;
-use super::simd::{EDGE, Mask, Portable, RAYS, Simd, each};
+use super::simd::{EDGE, Mask, Portable, Simd};
 use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
 
@@ -37,8 +37,8 @@ pub fn pixel([x, y]: [u32; 2], n: usize) -> [u32; 2] {
     [x + (n % EDGE) as u32, y + (n / EDGE) as u32]
 }
 
-/// Casts the tile whose first pixel is `first`; calls `f` with each of its pixels that anything may cover.
-pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+/// Casts the tile whose first pixel is `first`; calls `f` with rows of its pixels, each from its first on, that anything may cover.
+pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
     #[cfg(target_arch = "x86_64")]
     if avx512::is_there() {
         return avx512::cast(scene, first, f);
@@ -47,7 +47,7 @@ pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4]
 }
 
 #[multiversion::multiversion(targets("x86_64+avx2"))]
-fn cast_portably(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+fn cast_portably(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
     cast_by::<Portable>(scene, first, f);
 }
 
@@ -65,14 +65,14 @@ mod avx512 {
     }
 
     /// As [`super::cast`].
-    pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+    pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
         assert!(is_there(), "a processor with AVX-512");
         // SAFETY: it is one.
         unsafe { cast_there(scene, first, f) }
     }
 
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-    fn cast_there(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+    fn cast_there(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
         cast_by::<Avx512>(scene, first, f);
     }
 }
@@ -81,16 +81,16 @@ mod avx512 {
 type Packets<S> = [Option<Packet<S>>; PACKETS * PACKETS];
 
 #[inline(always)]
-fn cast_by<S: Simd>(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], [f32; 4])) {
+fn cast_by<S: Simd>(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
     let mut packets: Packets<S> = [const { None }; PACKETS * PACKETS];
     for cast_box in scene.boxes {
         cast_box_by(&mut packets, scene, first, cast_box);
     }
     for (at, packet) in packets.iter().enumerate() {
         let Some(packet) = packet else { continue };
-        let colours = each!(c of [0, 1, 2, 3] => S::float_array(packet.pixels[c]));
-        for n in 0..RAYS {
-            f(pixel(first_of(first, at), n), [0, 1, 2, 3].map(|c: usize| colours[c][n]));
+        let pixels = S::side_by_side(packet.pixels);
+        for (row, pixels) in pixels.chunks_exact(EDGE).enumerate() {
+            f(pixel(first_of(first, at), row * EDGE), pixels);
         }
     }
 }

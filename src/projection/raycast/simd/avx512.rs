@@ -93,7 +93,6 @@ impl Simd for Avx512 {
                 Double(a, b)
             }
         }
-        fn double_array(x: Double) -> [f64; RAYS] { std::mem::transmute::<[__m512d; 2], [f64; RAYS]>([x.0, x.1]) }
         fn int(x: i32) -> Int { Int(_mm512_set1_epi32(x)) }
         fn ints(x: [i32; RAYS]) -> Int { Int(std::mem::transmute::<[i32; RAYS], __m512i>(x)) }
         fn int_array(x: Int) -> [i32; RAYS] { std::mem::transmute::<__m512i, [i32; RAYS]>(x.0) }
@@ -140,7 +139,6 @@ impl Simd for Avx512 {
         fn shift_right(a: Int, by: Int) -> Int { Int(_mm512_srlv_epi32(a.0, by.0)) }
         fn choose_int(mask: Mask, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
         fn least(x: Int) -> i32 { _mm512_reduce_min_epi32(x.0) }
-        fn greatest(x: Int) -> i32 { _mm512_reduce_max_epi32(x.0) }
         fn to_float(x: Int) -> Float { Float(_mm512_cvtepi32_ps(x.0)) }
         fn unsigned_halves(x: Int) -> [Float; 2] {
             [
@@ -186,14 +184,25 @@ impl Simd for Avx512 {
                 let c = _mm512_insertf32x4::<2>(b, _mm_loadu_ps(at(n + 8)));
                 _mm512_insertf32x4::<3>(c, _mm_loadu_ps(at(n + 12)))
             });
-            let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
-            let (ef, gh) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
-            [
-                Float(_mm512_shuffle_ps::<0x44>(ab, cd)),
-                Float(_mm512_shuffle_ps::<0xee>(ab, cd)),
-                Float(_mm512_shuffle_ps::<0x44>(ef, gh)),
-                Float(_mm512_shuffle_ps::<0xee>(ef, gh)),
-            ]
+            let [a, b, c, d] = transposed([a, b, c, d]);
+            [Float(a), Float(b), Float(c), Float(d)]
+        }
+    }
+
+    #[inline(always)]
+    fn side_by_side([a, b, c, d]: [Float; 4]) -> [[f32; 4]; RAYS] {
+        // SAFETY: the processor has AVX-512; sixteen times four numbers are as many as four times sixteen.
+        unsafe {
+            // Of each four of sixteen one, in each.
+            let [a, b, c, d] = transposed([a.0, b.0, c.0, d.0]);
+            let (low, high) = (_mm512_shuffle_f32x4::<0x44>(a, b), _mm512_shuffle_f32x4::<0x44>(c, d));
+            let (rest_low, rest_high) = (_mm512_shuffle_f32x4::<0xee>(a, b), _mm512_shuffle_f32x4::<0xee>(c, d));
+            std::mem::transmute::<[__m512; 4], [[f32; 4]; RAYS]>([
+                _mm512_shuffle_f32x4::<0x88>(low, high),
+                _mm512_shuffle_f32x4::<0xdd>(low, high),
+                _mm512_shuffle_f32x4::<0x88>(rest_low, rest_high),
+                _mm512_shuffle_f32x4::<0xdd>(rest_low, rest_high),
+            ])
         }
     }
 
@@ -269,6 +278,25 @@ impl Simd for Avx512 {
             let z = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0x44>(planes[z][1], planes[z + 1][1]));
             each!(part of [x, y, z] => permute(near, part[0], part[1]))
         }
+    }
+}
+
+/// The numbers of each quarter of four registers, transposed.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn transposed([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+    // SAFETY: as above.
+    unsafe {
+        let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+        let (ef, gh) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+        [
+            _mm512_shuffle_ps::<0x44>(ab, cd),
+            _mm512_shuffle_ps::<0xee>(ab, cd),
+            _mm512_shuffle_ps::<0x44>(ef, gh),
+            _mm512_shuffle_ps::<0xee>(ef, gh),
+        ]
     }
 }
 

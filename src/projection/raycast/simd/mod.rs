@@ -50,7 +50,6 @@ pub trait Simd: Sized + 'static {
     fn float_array(x: Self::Float) -> [f32; RAYS];
     fn double(x: f64) -> Self::Double;
     fn doubles(x: [f64; RAYS]) -> Self::Double;
-    fn double_array(x: Self::Double) -> [f64; RAYS];
     fn int(x: i32) -> Self::Int;
     fn ints(x: [i32; RAYS]) -> Self::Int;
     fn int_array(x: Self::Int) -> [i32; RAYS];
@@ -80,7 +79,6 @@ pub trait Simd: Sized + 'static {
     fn shift_right(a: Self::Int, by: Self::Int) -> Self::Int;
     fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int;
     fn least(x: Self::Int) -> i32;
-    fn greatest(x: Self::Int) -> i32;
     /// The numbers that they are.
     fn to_float(x: Self::Int) -> Self::Float;
     /// The low half of each as a number without sign, and the high half.
@@ -93,6 +91,9 @@ pub trait Simd: Sized + 'static {
 
     /// The entries of a table at the places of each, all of which it has.
     fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Self::Int) -> [Self::Float; 4];
+
+    /// Four numbers of each, side by side.
+    fn side_by_side(of: [Self::Float; 4]) -> [[f32; 4]; RAYS];
 
     /// Where cells lie of which the nth has its low corner at `cell` along each axis, if all of those that are `inside` are among 4³ of
     /// stored voxels with such `dims`, and numbers can be taken from registers.

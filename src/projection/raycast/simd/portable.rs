@@ -119,11 +119,6 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn double_array(x: Self::Double) -> [f64; RAYS] {
-        x.0
-    }
-
-    #[inline(always)]
     fn int(x: i32) -> Self::Int {
         Sixteen([x; RAYS])
     }
@@ -237,11 +232,6 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn greatest(x: Self::Int) -> i32 {
-        x.0.into_iter().fold(i32::MIN, i32::max)
-    }
-
-    #[inline(always)]
     fn to_float(x: Self::Int) -> Self::Float {
         x.map(|x| x as f32)
     }
@@ -270,6 +260,11 @@ impl Simd for Portable {
             (entries[2][n], entries[3][n]) = (entry[2], entry[3]);
         }
         entries.map(Sixteen)
+    }
+
+    #[inline(always)]
+    fn side_by_side([a, b, c, d]: [Self::Float; 4]) -> [[f32; 4]; RAYS] {
+        std::array::from_fn(|n| [a.0[n], b.0[n], c.0[n], d.0[n]])
     }
 
     /// Nothing is permuted by arrays that is not as well fetched one after another.
