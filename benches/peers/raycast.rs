@@ -132,7 +132,7 @@ impl Case {
         let pools = [pinning::pool(1)?, pinning::pool(THREADS)?];
         let (cast, prepare) = timed(|| pools[1].install(|| CastTarget::of(&spec)));
         let frame = |pool: &ThreadPool| -> Outcome<(Frame, Run)> {
-            let (frame, run) = timed(|| pool.install(|| draw(&spec, &cast, None)));
+            let (frame, run) = pool.install(|| timed(|| draw(&spec, &cast, None)));
             Ok((frame?, run))
         };
         let (picture, _) = frame(&pools[1])?;

@@ -94,7 +94,7 @@ fn compare_one(what: String, edge: u32, runs: usize) -> Outcome<Comparison> {
     let pool = pinning::pool(1)?;
     let cast = pool.install(|| CastTarget::of(&spec));
     let frame = || -> Outcome<(Frame, Run)> {
-        let (frame, run) = timed(|| pool.install(|| draw(&spec, &cast, None)));
+        let (frame, run) = pool.install(|| timed(|| draw(&spec, &cast, None)));
         Ok((frame?, run))
     };
     let (picture, _) = frame()?;

@@ -55,7 +55,7 @@ impl Picture {
             let cells = cells_of(target);
             let visibility = Visibility {
                 target,
-                shown: &ShownCells::new(&cells, &VisibleValues::in_frame(spec)),
+                shown: &ShownCells::new(&cells, &VisibleValues::in_frame(spec, &spec.table())),
                 min_cube: 8,
                 remaining: None,
                 cost: DrawCost::VOXELS,
