@@ -8,7 +8,7 @@ use super::light::Cue;
 use super::hops::MARGIN;
 use super::rays::{Depths, Rays};
 use super::shown::edge_for;
-use super::tile::{self, Scene, TILE};
+use super::tile::{self, Cast, Scene, TILE};
 use super::voxels::CastTarget;
 use crate::image::Frame;
 use crate::projection::{FrameSpec, Lens, ProjectError, Projector, VisibleValues, composite};
@@ -25,6 +25,22 @@ impl Projector for RayCaster {
         check(spec)?;
         draw(spec, &CastTarget::of(spec), None)
     }
+}
+
+/// Draws what [`RayCaster`] draws, bit by bit, without what only some processors have.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PortableRayCaster;
+
+impl Projector for PortableRayCaster {
+    fn project(&mut self, spec: &FrameSpec) -> Result<Frame, ProjectError> {
+        check(spec)?;
+        let frame = accumulate_by(tile::by_arrays, spec, &CastTarget::of(spec), &Depths::of(spec), None)?;
+        Ok(resolved(spec, frame))
+    }
+}
+
+fn resolved(spec: &FrameSpec, accumulated: Frame) -> Frame {
+    composite::resolve(spec.settings.mode, accumulated, spec.target.value_range, spec.transfer)
 }
 
 fn check(spec: &FrameSpec) -> Result<(), ProjectError> {
@@ -51,9 +67,7 @@ pub fn require_size([width, height]: [u32; 2]) -> Result<(), ProjectError> {
 /// # Errors
 /// If the frame's size is impossible, its mode shows values where there are colours, or samples are too close.
 pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) -> Result<Frame, ProjectError> {
-    let frame = accumulate(spec, target, &Depths::of(spec), surfaces_mm)?;
-    let range = spec.target.value_range;
-    Ok(composite::resolve(spec.settings.mode, frame, range, spec.transfer))
+    Ok(resolved(spec, accumulate(spec, target, &Depths::of(spec), surfaces_mm)?))
 }
 
 /// Likewise in a part of the frame's depths, what its mode accumulates there: see [`composite::resolve`].
@@ -61,6 +75,16 @@ pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) 
 /// # Errors
 /// As [`draw`].
 pub fn accumulate(
+    spec: &FrameSpec,
+    target: &CastTarget,
+    depths: &Depths,
+    surfaces_mm: Option<&[f32]>,
+) -> Result<Frame, ProjectError> {
+    accumulate_by(tile::by_widest, spec, target, depths, surfaces_mm)
+}
+
+fn accumulate_by(
+    cast: Cast,
     spec: &FrameSpec,
     target: &CastTarget,
     depths: &Depths,
@@ -96,15 +120,15 @@ pub fn accumulate(
     let mut frame = Frame::transparent(width, height);
     let band = TILE * width as usize;
     let bands = frame.pixels_mut().par_chunks_mut(band).enumerate();
-    bands.for_each(|(n, band)| cast_band(&scene, (n * TILE) as u32, band));
+    bands.for_each(|(n, band)| cast_band(cast, &scene, (n * TILE) as u32, band));
     Ok(frame)
 }
 
 /// Casts the tiles of the rows of `band`, the first of which is `top`.
-fn cast_band(scene: &Scene, top: u32, band: &mut [[f32; 4]]) {
+fn cast_band(cast: Cast, scene: &Scene, top: u32, band: &mut [[f32; 4]]) {
     let width = scene.size[0] as usize;
     for left in (0..scene.size[0]).step_by(TILE) {
-        tile::cast(scene, [left, top], &mut |[x, y], pixels| {
+        cast(scene, [left, top], &mut |[x, y], pixels| {
             let (x, row) = (x as usize, (y - top) as usize);
             let Some(row) = band.chunks_exact_mut(width).nth(row) else { return };
             if let Some(rest) = row.get_mut(x..) {

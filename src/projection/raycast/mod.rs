@@ -14,7 +14,6 @@
 
 mod blend;
 mod boxes;
-
 mod caster;
 mod classify;
 mod gaps;
@@ -30,7 +29,7 @@ mod simd;
 mod tile;
 mod voxels;
 
-pub use caster::{RayCaster, accumulate, draw, require_size};
+pub use caster::{PortableRayCaster, RayCaster, accumulate, draw, require_size};
 pub use levels::draw_levels;
 pub use rays::Depths;
 pub use voxels::CastTarget;

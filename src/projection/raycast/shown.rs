@@ -3,6 +3,8 @@
 //! *Practice.* Cells whose [ranges](CellRanges) show are looked into: of their halves along each axis, ranges come of the stored voxels
 //! themselves. All is found when the transfer function changes, not in a frame.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -85,38 +87,31 @@ impl Cells {
 
     /// The halves along each axis of the cells of `block`.
     fn halved(&self, block: &CastBlock, values: &VisibleValues, range: Interval) -> Self {
-        let edge = self.edge / 2;
-        let dims = self.dims.map(|n| 2 * n);
-        // The first voxel in the first cell.
-        let first = (self.begin + 0.5).to_array().map(|voxel| voxel as i64);
-        let shows = |cell: [usize; 3]| {
-            let voxels = [0, 1, 2].map(|axis| {
-                let begin = first[axis] + (edge * cell[axis]) as i64;
-                let within = |voxel: i64| voxel.clamp(0, i64::from(block.dims[axis])) as usize;
-                // And one more on each side.
-                within(begin - 1)..within(begin + edge as i64 + 1)
-            });
-            let of_range = |stored: u16| range.lo + f32::from(stored) / ONE * range.width();
-            let ends = block.ends(voxels);
-            ends.is_some_and(|[lo, hi]| {
-                values.any_in(Interval {
-                    lo: of_range(lo),
-                    hi: of_range(hi),
-                })
-            })
+        let (edge, dims) = (self.edge / 2, self.dims.map(|n| 2 * n));
+        // The voxels that a cell's samples depend on: its own and one more on each side.
+        let voxels = |axis: usize, cell: usize| {
+            let begin = (self.begin[axis] + 0.5) as i64 + (edge * cell) as i64;
+            let within = |voxel: i64| voxel.clamp(0, i64::from(block.dims[axis])) as usize;
+            within(begin - 1)..within(begin + edge as i64 + 1)
         };
+        let value = |stored: u16| range.lo + f32::from(stored) / ONE * range.width();
         let mut shown = vec![false; dims.iter().product()];
         let rows = shown.par_chunks_exact_mut(dims[0].max(1)).enumerate();
-        rows.for_each(|(row, shown)| {
+        rows.for_each_init(Ends::default, |ends, (row, shown)| {
             let [y, z] = [row % dims[1], row / dims[1]];
-            for (x, shown) in shown.iter_mut().enumerate() {
-                *shown = self.shown[self.index([x / 2, y / 2, z / 2])] && shows([x, y, z]);
+            let whole = &self.shown[self.index([0, y / 2, z / 2])..][..self.dims[0]];
+            if !whole.contains(&true) {
+                return;
+            }
+            ends.of_rows(block, [voxels(1, y), voxels(2, z)]);
+            for (x, shown) in shown.iter_mut().enumerate().filter(|(x, _)| whole[x / 2]) {
+                let [lo, hi] = ends.of(voxels(0, x)).map(value);
+                *shown = values.any_in(Interval { lo, hi });
             }
         });
-        let begin = self.begin;
         Self {
             edge,
-            begin,
+            begin: self.begin,
             dims,
             shown,
         }
@@ -158,5 +153,35 @@ impl Cells {
         });
         let corner = |cell: [usize; 3]| self.begin + self.edge as f64 * DVec3::from_array(cell.map(|n| n as f64));
         (end != [0; 3]).then(|| Aabb::new(corner(first), corner(end)))
+    }
+}
+
+/// The least and the greatest of what is stored of values in several rows, voxel by voxel.
+#[derive(Default)]
+struct Ends {
+    lo: Vec<u16>,
+    hi: Vec<u16>,
+}
+
+impl Ends {
+    /// Those of some rows of `block`, along y and z.
+    fn of_rows(&mut self, block: &CastBlock, [y, z]: [Range<usize>; 2]) {
+        let [width, height, _] = block.dims.map(|n| n as usize);
+        for (ends, least) in [(&mut self.lo, u16::MAX), (&mut self.hi, 0)] {
+            ends.clear();
+            ends.resize(width, least);
+        }
+        for row in z.flat_map(|z| y.clone().map(move |y| y + height * z)) {
+            let ends = self.lo.iter_mut().zip(&mut self.hi);
+            for ((lo, hi), &v) in ends.zip(&block.weighted[width * row..][..width]) {
+                (*lo, *hi) = ((*lo).min(v), (*hi).max(v));
+            }
+        }
+    }
+
+    /// Those of some voxels of a row; an end below the other if there are none.
+    fn of(&self, voxels: Range<usize>) -> [u16; 2] {
+        let lo = self.lo[voxels.clone()].iter().copied().fold(u16::MAX, u16::min);
+        [lo, self.hi[voxels].iter().copied().fold(0, u16::max)]
     }
 }

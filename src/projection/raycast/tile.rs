@@ -7,7 +7,9 @@ use super::classify::Classifier;
 use super::hops::{Hops, PACKETS};
 use super::packet::Packet;
 use super::rays::Rays;
-use super::simd::{EDGE, Mask, Portable, Simd};
+#[cfg(target_arch = "x86_64")]
+use super::simd::Avx512;
+use super::simd::{EDGE, Kernel, Mask, Portable, Simd};
 use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
 
@@ -37,63 +39,53 @@ pub fn pixel([x, y]: [u32; 2], n: usize) -> [u32; 2] {
     [x + (n % EDGE) as u32, y + (n / EDGE) as u32]
 }
 
-/// Casts the tile whose first pixel is `first`; calls `f` with rows of its pixels, each from its first on, that anything may cover.
-pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
+/// What is called with rows of pixels, each from its first on.
+pub type Rows<'a> = &'a mut dyn FnMut([u32; 2], &[[f32; 4]]);
+
+/// Casts the tile that begins at a pixel, and hands on those rows of its pixels that anything may cover.
+pub type Cast = fn(&Scene, [u32; 2], Rows);
+
+/// By the widest vectors that the processor has.
+pub fn by_widest(scene: &Scene, first: [u32; 2], rows: Rows) {
     #[cfg(target_arch = "x86_64")]
-    if avx512::is_there() {
-        return avx512::cast(scene, first, f);
+    if Avx512::is_there() {
+        return Avx512::run(TileCast { scene, first, rows });
     }
-    cast_portably(scene, first, f);
+    by_arrays(scene, first, rows);
 }
 
+/// By arrays, whatever vectors the processor has.
 #[multiversion::multiversion(targets("x86_64+avx2"))]
-fn cast_portably(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
-    cast_by::<Portable>(scene, first, f);
+pub fn by_arrays(scene: &Scene, first: [u32; 2], rows: Rows) {
+    TileCast { scene, first, rows }.run::<Portable>();
 }
 
-#[cfg(target_arch = "x86_64")]
-mod avx512 {
-    use super::super::simd::Avx512;
-    use super::{Scene, cast_by};
+/// A tile that is to be cast.
+struct TileCast<'a, 'b> {
+    scene: &'a Scene<'b>,
+    first: [u32; 2],
+    rows: Rows<'a>,
+}
 
-    /// Whether the processor has what [`cast`] takes.
-    pub fn is_there() -> bool {
-        is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl")
-    }
-
-    /// As [`super::cast`].
-    pub fn cast(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
-        assert!(is_there(), "a processor with AVX-512");
-        // SAFETY: it is one.
-        unsafe { cast_there(scene, first, f) }
-    }
-
-    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-    fn cast_there(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
-        cast_by::<Avx512>(scene, first, f);
+impl Kernel for TileCast<'_, '_> {
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        let mut packets: Packets<S> = [const { None }; PACKETS * PACKETS];
+        for cast_box in self.scene.boxes {
+            cast_box_by(&mut packets, self.scene, self.first, cast_box);
+        }
+        for (at, packet) in packets.iter().enumerate() {
+            let Some(packet) = packet else { continue };
+            let pixels = S::side_by_side(packet.pixels);
+            for (row, pixels) in pixels.chunks_exact(EDGE).enumerate() {
+                (self.rows)(pixel(first_of(self.first, at), row * EDGE), pixels);
+            }
+        }
     }
 }
 
 /// The packets of a tile, row by row; those that nothing may cover are left out.
 type Packets<S> = [Option<Packet<S>>; PACKETS * PACKETS];
-
-#[inline(always)]
-fn cast_by<S: Simd>(scene: &Scene, first: [u32; 2], f: &mut dyn FnMut([u32; 2], &[[f32; 4]])) {
-    let mut packets: Packets<S> = [const { None }; PACKETS * PACKETS];
-    for cast_box in scene.boxes {
-        cast_box_by(&mut packets, scene, first, cast_box);
-    }
-    for (at, packet) in packets.iter().enumerate() {
-        let Some(packet) = packet else { continue };
-        let pixels = S::side_by_side(packet.pixels);
-        for (row, pixels) in pixels.chunks_exact(EDGE).enumerate() {
-            f(pixel(first_of(first, at), row * EDGE), pixels);
-        }
-    }
-}
 
 /// The first pixel of a packet of the tile whose first pixel is `first`.
 fn first_of([x, y]: [u32; 2], packet: usize) -> [u32; 2] {

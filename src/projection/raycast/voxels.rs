@@ -4,7 +4,6 @@
 //! coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
 //! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
 
-use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bytemuck::Pod;
@@ -128,18 +127,6 @@ impl CastBlock {
     /// Whether what shows of it can be told from its voxels alone.
     pub fn is_looked_into(&self) -> bool {
         self.strides[0] != 0 && self.coverage.is_empty()
-    }
-
-    /// The least and the greatest of what is stored of values in a box of voxels; `None` if it is empty.
-    pub fn ends(&self, [x, y, z]: [Range<usize>; 3]) -> Option<[u16; 2]> {
-        let [_, row, plane] = self.strides.map(|stride| stride as usize);
-        let (mut least, mut greatest) = (u16::MAX, 0);
-        for begin in z.flat_map(|z| y.clone().map(move |y| y * row + z * plane)) {
-            for &voxel in &self.weighted[begin + x.start..begin + x.end] {
-                (least, greatest) = (least.min(voxel), greatest.max(voxel));
-            }
-        }
-        (least <= greatest).then_some([least, greatest])
     }
 
     /// The two voxels that any place in a block of one value is between.

@@ -6,10 +6,32 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
-use super::{EDGE, Mask, Near, Pairs, RAYS, Simd, each};
+use super::{EDGE, Kernel, Mask, Near, Pairs, RAYS, Simd, each};
 
-/// For processors with AVX-512 F, BW, DQ and VL. Nothing of it may be called on others: it is named only behind their detection.
+/// For processors with AVX-512 F, BW, DQ and VL. Nothing of it may be called but by [`Avx512::run`].
 pub struct Avx512;
+
+impl Avx512 {
+    /// Whether the processor has it.
+    pub fn is_there() -> bool {
+        is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl")
+    }
+
+    /// Does something in this way, on a processor that [has](Self::is_there) it.
+    pub fn run(kernel: impl Kernel) {
+        assert!(Self::is_there(), "the processor has no AVX-512");
+        // SAFETY: it has.
+        unsafe { run_there(kernel) }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn run_there(kernel: impl Kernel) {
+    kernel.run::<Avx512>();
+}
 
 #[derive(Clone, Copy)]
 pub struct Float(__m512);

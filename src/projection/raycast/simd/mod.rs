@@ -104,6 +104,12 @@ pub trait Simd: Sized + 'static {
     fn near_vectors(near: &Near<Self>, vectors: &[[u16; 4]]) -> [Pairs<Self>; 3];
 }
 
+/// What can be done in any way. All of it is to be compiled in place: `#[inline(always)]`, and no closures around operations.
+pub trait Kernel {
+    /// Does it in one.
+    fn run<S: Simd>(self);
+}
+
 /// What an expression is for each of some, as an array. A closure would not do: what it does is compiled for any processor, unless the
 /// compiler happens to put it in place.
 macro_rules! each {
