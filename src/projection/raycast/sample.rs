@@ -116,14 +116,16 @@ impl<S: Simd> Places<S> {
                 each!(part of [0, 1, 2] => self.interpolate::<T>(pairs[part]))
             }
             Corners::Apart(corners) => {
+                let edges = edges(block, vectors);
                 let fraction = each!(axis of [0, 1, 2] => S::float_array(self.fraction[axis]));
                 let mut all = [[0.0; RAYS]; 3];
-                for n in 0..RAYS {
-                    if shown >> n & 1 == 1 {
-                        let fraction = [fraction[0][n], fraction[1][n], fraction[2][n]];
-                        let [x, y, z, _] = vector(block, vectors, corners[n] as usize, fraction);
-                        (all[0][n], all[1][n], all[2][n]) = (x, y, z);
-                    }
+                let mut left = shown;
+                while left != 0 {
+                    let n = left.trailing_zeros() as usize % RAYS;
+                    let fraction = [fraction[0][n], fraction[1][n], fraction[2][n]];
+                    let [x, y, z, _] = vector(&edges, corners[n] as usize, fraction);
+                    (all[0][n], all[1][n], all[2][n]) = (x, y, z);
+                    left &= left - 1;
                 }
                 each!(part of [0, 1, 2] => S::floats(all[part]))
             }
@@ -174,10 +176,9 @@ fn pairs<S: Simd>(block: &CastBlock, corners: &[i32; RAYS], numbers: &[u16]) -> 
     each!(edge of [0, 1, 2, 3] => S::ints(pairs[edge]))
 }
 
-/// The trilinear sample of vectors in the cell whose low corner is voxel `at`, by the operations of [`Places::interpolate`].
+/// The trilinear sample of vectors on the [`edges`] of cells, in that whose low corner is voxel `at`, by the operations of [`Places::interpolate`].
 #[inline(always)]
-fn vector<T: Part>(block: &CastBlock, vectors: &[[T; 4]], at: usize, [tx, ty, tz]: [f32; 3]) -> [f32; 4] {
-    let edges = edges(block, vectors);
+fn vector<T: Part>(edges: &[&[[T; 4]]; 4], at: usize, [tx, ty, tz]: [f32; 3]) -> [f32; 4] {
     // Two voxels side by side.
     let pair = |edge: usize| -> [f32; 8] {
         let pair: Option<&[[T; 4]; 2]> = edges[edge].get(at..).and_then(|rest| rest.first_chunk());
