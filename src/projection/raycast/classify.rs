@@ -3,7 +3,7 @@
 use super::blend::Colours;
 use super::light::{Cue, Lights};
 use super::sample::{Part, Places};
-use super::simd::{Mask, RAYS, Simd, each, larger, smaller};
+use super::simd::{RAYS, Simd, each, larger, smaller};
 use super::voxels::{CastBlock, ONE};
 use crate::projection::{FrameSpec, Mode, TransferTable};
 
@@ -30,9 +30,9 @@ pub struct Bundle<'a, S: Simd> {
     pub block: &'a CastBlock,
     pub places: Places<S>,
     /// Which samples are in the box.
-    pub inside: Mask,
+    pub inside: S::Mask,
     /// Which of them nothing is seen of.
-    pub hidden: Mask,
+    pub hidden: S::Mask,
     pub plane: i32,
     /// Millimetres of each ray a millimetre of depth; `None` where all are 1.
     pub paths: Option<S::Float>,
@@ -105,7 +105,7 @@ impl Classifier {
         let entries = self.entries::<S>(weighted, coverage);
         let beyond = S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1]));
         let seen = bundle.inside & !bundle.hidden & !beyond;
-        if seen == 0 {
+        if S::bits(seen) == 0 {
             return None;
         }
         let mut sources = S::entries(&self.table, S::choose_int(seen, entries, S::int(NOTHING as i32)));
@@ -116,7 +116,7 @@ impl Classifier {
             let coverage = S::divide(coverage, S::float(ONE));
             sources = each!(c of [0, 1, 2, 3] => sources[c] * coverage);
         }
-        (S::greater(sources[3], S::float(0.0)) != 0).then_some(sources)
+        (S::bits(S::greater(sources[3], S::float(0.0))) != 0).then_some(sources)
     }
 
     /// The table's entry for each sample.
@@ -137,7 +137,7 @@ impl Classifier {
     #[inline(always)]
     fn colours<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float, units: f32) -> Option<Colours<S>> {
         let shown = bundle.inside & !bundle.hidden & S::greater(weighted, S::float(0.0));
-        if shown == 0 {
+        if S::bits(shown) == 0 {
             return None;
         }
         let opacity = S::choose(shown, weighted, S::float(0.0));
@@ -190,7 +190,7 @@ impl<S: Simd> Bundle<'_, S> {
 
     /// The samples of vectors that are `shown`, in steps of what is stored.
     #[inline(always)]
-    fn vectors<T: Part>(&self, vectors: &[[T; 4]], shown: Mask) -> [S::Float; 3] {
+    fn vectors<T: Part>(&self, vectors: &[[T; 4]], shown: S::Mask) -> [S::Float; 3] {
         self.places.vectors(self.block, vectors, shown)
     }
 }

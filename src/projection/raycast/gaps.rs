@@ -8,7 +8,7 @@
 use glam::Vec3;
 
 use super::shown::Cells;
-use super::simd::{Mask, Simd, each, larger, smaller};
+use super::simd::{Simd, each, larger, smaller};
 
 /// The farthest that distances are counted, in cells.
 const FARTHEST: u8 = 31;
@@ -47,7 +47,7 @@ impl Gaps {
     /// Between which of sixteen places `low` and `high`, stored voxels less than a cell apart, nothing shows, and how far each can be moved
     /// along all axes without that anything does, in voxels.
     #[inline(always)]
-    pub fn free<S: Simd>(&self, low: &[S::Float; 3], high: &[S::Float; 3]) -> (Mask, S::Float) {
+    pub fn free<S: Simd>(&self, low: &[S::Float; 3], high: &[S::Float; 3]) -> (S::Mask, S::Float) {
         let (mut at, mut goes_on, mut stride) = (S::int(0), S::int(0), 1);
         for axis in 0..3 {
             let [low, high] = each!(place of [low[axis], high[axis]] => self.cell::<S>(axis, place));

@@ -6,7 +6,7 @@
 use super::boxes::CastBox;
 use super::gaps::Gaps;
 use super::rays::{self, Rays};
-use super::simd::{EDGE, Mask, RAYS, Simd, each};
+use super::simd::{EDGE, RAYS, Simd, each};
 use super::voxels::CastBlock;
 
 /// How far around a packet's places is asked whether anything shows, for their rounding, voxels.
@@ -63,7 +63,7 @@ impl<S: Simd> Corner<S> {
 
     /// How many planes on it is at coordinate `face`, and whether it rises.
     #[inline(always)]
-    fn meets(&self, face: f64) -> (S::Double, Mask) {
+    fn meets(&self, face: f64) -> (S::Double, S::Mask) {
         let inverse = rays::inverse::<S>(self.step);
         let planes = (S::double(face) - self.origin) * inverse;
         (planes, S::greater_double(inverse, S::double(0.0)))
@@ -95,8 +95,8 @@ impl<S: Simd> Hops<S> {
             (begin, end) = (larger_where::<S>(!rises, below, begin), smaller_where::<S>(rises, below, end));
         }
         let one = S::double(1.0);
-        let planes = S::whole_double(S::floor_double(smaller_where::<S>(Mask::MAX, begin, S::double(LAST))));
-        let ends = S::whole_double(S::ceil_double(larger_where::<S>(Mask::MAX, end + one, S::double(0.0))));
+        let planes = S::whole_double(S::floor_double(smaller_where::<S>(!S::none(), begin, S::double(LAST))));
+        let ends = S::whole_double(S::ceil_double(larger_where::<S>(!S::none(), end + one, S::double(0.0))));
         let from = S::least(planes);
         let low = each!(axis of [0, 1, 2] => low[axis].line(from, block.first[axis]));
         let high = each!(axis of [0, 1, 2] => high[axis].line(from, block.first[axis]));
@@ -118,7 +118,7 @@ impl<S: Simd> Hops<S> {
 
     /// Which packets are not behind the box.
     #[inline(always)]
-    pub fn before_ends(&self) -> Mask {
+    pub fn before_ends(&self) -> S::Mask {
         S::greater_int(self.ends, self.planes)
     }
 
@@ -131,7 +131,7 @@ impl<S: Simd> Hops<S> {
             let high = each!(axis of [0, 1, 2] => self.high[axis][0] + planes * self.high[axis][1] + S::float(MARGIN));
             let (free, voxels) = gaps.free::<S>(&low, &high);
             let hops = free & self.before_ends();
-            if hops == 0 {
+            if S::bits(hops) == 0 {
                 return;
             }
             let on = S::whole(S::floor(voxels * self.planes_per_voxel)) + S::int(1);
@@ -145,12 +145,12 @@ const LAST: f64 = (1 << 30) as f64;
 
 /// `a` or `b`, whichever is larger, where `mask` says, else `b`.
 #[inline(always)]
-fn larger_where<S: Simd>(mask: Mask, a: S::Double, b: S::Double) -> S::Double {
+fn larger_where<S: Simd>(mask: S::Mask, a: S::Double, b: S::Double) -> S::Double {
     S::choose_double(mask & S::greater_double(a, b), a, b)
 }
 
 /// `a` or `b`, whichever is smaller, where `mask` says, else `b`.
 #[inline(always)]
-fn smaller_where<S: Simd>(mask: Mask, a: S::Double, b: S::Double) -> S::Double {
+fn smaller_where<S: Simd>(mask: S::Mask, a: S::Double, b: S::Double) -> S::Double {
     S::choose_double(mask & S::greater_double(b, a), a, b)
 }

@@ -7,7 +7,7 @@ use super::boxes::CastBox;
 use super::classify::Bundle;
 use super::rays::{Intervals, PacketRays};
 use super::sample::{Places, Start};
-use super::simd::{Mask, Simd};
+use super::simd::Simd;
 use super::tile::{Scene, pixel};
 use super::voxels::CastBlock;
 
@@ -66,7 +66,7 @@ impl<S: Simd> Packet<S> {
         let mut misses = 0;
         for plane in planes.clone() {
             let before = S::greater_int(self.covered.end, S::int(plane));
-            if before == 0 {
+            if S::bits(before) == 0 {
                 return i32::MAX;
             }
             let inside = before & !S::greater_int(self.covered.begin, S::int(plane));
@@ -84,7 +84,7 @@ impl<S: Simd> Packet<S> {
 
     /// Goes on with the points at a plane, those `inside` the box; whether any shows.
     #[inline(always)]
-    fn sample(&mut self, scene: &Scene, block: &CastBlock, start: &Start<S>, plane: i32, inside: Mask) -> bool {
+    fn sample(&mut self, scene: &Scene, block: &CastBlock, start: &Start<S>, plane: i32, inside: S::Mask) -> bool {
         let hidden = blend::hidden::<S>(scene.blending, &self.pixels);
         let bundle = Bundle {
             block,

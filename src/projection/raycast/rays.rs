@@ -7,7 +7,7 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::simd::{EDGE, Mask, RAYS, Simd, each};
+use super::simd::{EDGE, RAYS, Simd, each};
 use crate::math::affine;
 use crate::projection::{Camera, FrameSpec, Lens, Planes, ProjectError, eye_from_lattice};
 
@@ -173,7 +173,7 @@ pub struct PacketRays<S: Simd> {
     pub step: [S::Double; 3],
     inverse: [S::Double; 3],
     /// Which rays' coordinates rise.
-    rises: [Mask; 3],
+    rises: [S::Mask; 3],
 }
 
 /// Stands for the inverse of no movement: with it a face is crossed before the first plane or behind the last.

@@ -5,7 +5,7 @@
 //! are among few voxels, those are read once, and else each cell's own; all else is done for all samples before the next.
 
 use super::rays::PacketRays;
-use super::simd::{Mask, Near, Pairs, RAYS, Simd, each};
+use super::simd::{Near, Pairs, RAYS, Simd, each};
 use super::voxels::CastBlock;
 
 /// Planes from one whose places are worked out in double precision to the next.
@@ -84,7 +84,7 @@ impl<S: Simd> Places<S> {
     /// The samples at `plane`, which `start` reaches; those `inside` are asked for, and ray `lowest` of each axis has the lowest place
     /// along it.
     #[inline(always)]
-    pub fn new(block: &CastBlock, start: &Start<S>, plane: i32, inside: Mask, lowest: &[usize; 3]) -> Self {
+    pub fn new(block: &CastBlock, start: &Start<S>, plane: i32, inside: S::Mask, lowest: &[usize; 3]) -> Self {
         let planes = S::float((plane - start.plane) as f32);
         let along = each!(axis of [0, 1, 2] => start.part[axis] + planes * start.step[axis]);
         let below = each!(axis of [0, 1, 2] => S::floor(along[axis]));
@@ -109,7 +109,7 @@ impl<S: Simd> Places<S> {
 
     /// The trilinear samples of the first three parts of vectors, those that are `shown`, in steps of what is stored.
     #[inline(always)]
-    pub fn vectors<T: Part>(&self, block: &CastBlock, vectors: &[[T; 4]], shown: Mask) -> [S::Float; 3] {
+    pub fn vectors<T: Part>(&self, block: &CastBlock, vectors: &[[T; 4]], shown: S::Mask) -> [S::Float; 3] {
         match &self.corners {
             Corners::Near(near) => {
                 let pairs = S::near_vectors(near, bytemuck::cast_slice(vectors));
@@ -119,7 +119,7 @@ impl<S: Simd> Places<S> {
                 let edges = edges(block, vectors);
                 let fraction = each!(axis of [0, 1, 2] => S::float_array(self.fraction[axis]));
                 let mut all = [[0.0; RAYS]; 3];
-                let mut left = shown;
+                let mut left = S::bits(shown);
                 while left != 0 {
                     let n = left.trailing_zeros() as usize % RAYS;
                     let fraction = [fraction[0][n], fraction[1][n], fraction[2][n]];
@@ -153,7 +153,7 @@ fn between<S: Simd>(a: S::Float, b: S::Float, t: S::Float) -> S::Float {
 
 /// The stored voxel at the low corner of each cell, of those that are asked for.
 #[inline(always)]
-fn apart<S: Simd>(block: &CastBlock, cell: &[S::Int; 3], inside: Mask) -> [i32; RAYS] {
+fn apart<S: Simd>(block: &CastBlock, cell: &[S::Int; 3], inside: S::Mask) -> [i32; RAYS] {
     let [x, y, z] = each!(axis of [0, 1, 2] => cell[axis] * S::int(block.strides[axis]));
     S::int_array(S::choose_int(inside, x + y + z, S::int(0)))
 }

@@ -9,7 +9,7 @@ use super::packet::Packet;
 use super::rays::Rays;
 #[cfg(target_arch = "x86_64")]
 use super::simd::Avx512;
-use super::simd::{EDGE, Kernel, Mask, Portable, Simd};
+use super::simd::{EDGE, Kernel, Portable, Simd};
 use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
 
@@ -103,15 +103,16 @@ fn cast_box_by<S: Simd>(packets: &mut Packets<S>, scene: &Scene, first: [u32; 2]
     }
     let block = &scene.target.blocks[cast_box.block];
     let mut hops = Hops::<S>::new(&scene.rays, first, block, cast_box);
-    let mut entered: Mask = 0;
+    let mut entered = 0u16;
     loop {
         hops.hop(&cast_box.shown.gaps);
-        let left = hops.before_ends();
+        let before_ends = hops.before_ends();
+        let left = S::bits(before_ends);
         if left == 0 {
             return;
         }
         let (mut planes, ends) = (S::int_array(hops.planes), S::int_array(hops.ends));
-        let nearest = S::least(S::choose_int(left, hops.planes, S::int(i32::MAX)));
+        let nearest = S::least(S::choose_int(before_ends, hops.planes, S::int(i32::MAX)));
         let slab = nearest - nearest % SLAB + SLAB;
         for n in 0..PACKETS * PACKETS {
             if left >> n & 1 == 0 || planes[n] >= slab {

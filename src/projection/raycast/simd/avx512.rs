@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
-use super::{EDGE, Kernel, Mask, Near, Pairs, RAYS, Simd, each};
+use super::{EDGE, Kernel, Near, Pairs, RAYS, Simd, each};
 
 /// For processors with AVX-512 F, BW, DQ and VL. Nothing of it may be called but by [`Avx512::run`].
 pub struct Avx512;
@@ -102,7 +102,18 @@ static LAST_PARTS: [i16; 32] = parts(2);
 impl Simd for Avx512 {
     type Float = Float;
     type Double = Double;
+    type Mask = u16;
     type Int = Int;
+
+    #[inline(always)]
+    fn none() -> u16 {
+        0
+    }
+
+    #[inline(always)]
+    fn bits(mask: u16) -> u16 {
+        mask
+    }
 
     operations! {
         fn float(x: f32) -> Float { Float(_mm512_set1_ps(x)) }
@@ -123,8 +134,8 @@ impl Simd for Avx512 {
         fn floor(x: Float) -> Float { Float(_mm512_roundscale_ps::<DOWN>(x.0)) }
         fn root(x: Float) -> Float { Float(_mm512_sqrt_ps(x.0)) }
         fn absolute(x: Float) -> Float { Float(_mm512_abs_ps(x.0)) }
-        fn greater(a: Float, b: Float) -> Mask { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a.0, b.0) }
-        fn choose(mask: Mask, a: Float, b: Float) -> Float { Float(_mm512_mask_blend_ps(mask, b.0, a.0)) }
+        fn greater(a: Float, b: Float) -> u16 { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a.0, b.0) }
+        fn choose(mask: u16, a: Float, b: Float) -> Float { Float(_mm512_mask_blend_ps(mask, b.0, a.0)) }
         fn whole(x: Float) -> Int { Int(_mm512_cvtps_epi32(x.0)) }
 
         fn inverse(x: Double) -> Double {
@@ -139,11 +150,11 @@ impl Simd for Avx512 {
         fn ceil_double(x: Double) -> Double {
             Double(_mm512_roundscale_pd::<UP>(x.0), _mm512_roundscale_pd::<UP>(x.1))
         }
-        fn greater_double(a: Double, b: Double) -> Mask {
-            Mask::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a.0, b.0))
-                | Mask::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a.1, b.1)) << 8
+        fn greater_double(a: Double, b: Double) -> u16 {
+            u16::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a.0, b.0))
+                | u16::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(a.1, b.1)) << 8
         }
-        fn choose_double(mask: Mask, a: Double, b: Double) -> Double {
+        fn choose_double(mask: u16, a: Double, b: Double) -> Double {
             Double(
                 _mm512_mask_blend_pd(mask as u8, b.0, a.0),
                 _mm512_mask_blend_pd((mask >> 8) as u8, b.1, a.1),
@@ -156,10 +167,10 @@ impl Simd for Avx512 {
             Float(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(_mm512_cvtpd_ps(x.0)), _mm512_cvtpd_ps(x.1)))
         }
 
-        fn greater_int(a: Int, b: Int) -> Mask { _mm512_cmpgt_epi32_mask(a.0, b.0) }
+        fn greater_int(a: Int, b: Int) -> u16 { _mm512_cmpgt_epi32_mask(a.0, b.0) }
         fn and(a: Int, b: Int) -> Int { Int(_mm512_and_epi32(a.0, b.0)) }
         fn shift_right(a: Int, by: Int) -> Int { Int(_mm512_srlv_epi32(a.0, by.0)) }
-        fn choose_int(mask: Mask, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
+        fn choose_int(mask: u16, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
         fn least(x: Int) -> i32 { _mm512_reduce_min_epi32(x.0) }
         fn to_float(x: Int) -> Float { Float(_mm512_cvtepi32_ps(x.0)) }
         fn unsigned_halves(x: Int) -> [Float; 2] {
@@ -229,7 +240,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn near(cell: &[Int; 3], inside: Mask, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>> {
+    fn near(cell: &[Int; 3], inside: u16, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>> {
         const LAST: i32 = EDGE as i32 - 2;
         let mut near = Near {
             corner: 0,

@@ -7,7 +7,7 @@ mod portable;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
@@ -18,9 +18,6 @@ pub const EDGE: usize = 4;
 
 /// Rays of a packet, row by row, and samples of a bundle.
 pub const RAYS: usize = EDGE * EDGE;
-
-/// Some of sixteen, a bit each.
-pub type Mask = u16;
 
 /// Two stored numbers side by side on each of the four edges along x of each sample's cell, the first in the low half.
 pub type Pairs<S> = [<S as Simd>::Int; 4];
@@ -42,8 +39,15 @@ pub trait Simd: Sized + 'static {
     type Float: Copy + Add<Output = Self::Float> + Sub<Output = Self::Float> + Mul<Output = Self::Float>;
     /// Sixteen of double precision.
     type Double: Copy + Add<Output = Self::Double> + Sub<Output = Self::Double> + Mul<Output = Self::Double>;
+    /// Some of sixteen.
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
     /// Sixteen integers of 32 bits, which wrap.
     type Int: Copy + Add<Output = Self::Int> + Sub<Output = Self::Int> + Mul<Output = Self::Int>;
+
+    /// None of them.
+    fn none() -> Self::Mask;
+    /// A bit each.
+    fn bits(mask: Self::Mask) -> u16;
 
     fn float(x: f32) -> Self::Float;
     fn floats(x: [f32; RAYS]) -> Self::Float;
@@ -59,25 +63,25 @@ pub trait Simd: Sized + 'static {
     fn root(x: Self::Float) -> Self::Float;
     fn absolute(x: Self::Float) -> Self::Float;
     /// Where `a > b`.
-    fn greater(a: Self::Float, b: Self::Float) -> Mask;
+    fn greater(a: Self::Float, b: Self::Float) -> Self::Mask;
     /// `a` where `mask` says, else `b`.
-    fn choose(mask: Mask, a: Self::Float, b: Self::Float) -> Self::Float;
+    fn choose(mask: Self::Mask, a: Self::Float, b: Self::Float) -> Self::Float;
     /// The nearest whole number, the even one of two; all must be less than 2²².
     fn whole(x: Self::Float) -> Self::Int;
 
     fn inverse(x: Self::Double) -> Self::Double;
     fn floor_double(x: Self::Double) -> Self::Double;
     fn ceil_double(x: Self::Double) -> Self::Double;
-    fn greater_double(a: Self::Double, b: Self::Double) -> Mask;
-    fn choose_double(mask: Mask, a: Self::Double, b: Self::Double) -> Self::Double;
+    fn greater_double(a: Self::Double, b: Self::Double) -> Self::Mask;
+    fn choose_double(mask: Self::Mask, a: Self::Double, b: Self::Double) -> Self::Double;
     /// The nearest whole number; all must be less than 2³¹.
     fn whole_double(x: Self::Double) -> Self::Int;
     fn single(x: Self::Double) -> Self::Float;
 
-    fn greater_int(a: Self::Int, b: Self::Int) -> Mask;
+    fn greater_int(a: Self::Int, b: Self::Int) -> Self::Mask;
     fn and(a: Self::Int, b: Self::Int) -> Self::Int;
     fn shift_right(a: Self::Int, by: Self::Int) -> Self::Int;
-    fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int;
+    fn choose_int(mask: Self::Mask, a: Self::Int, b: Self::Int) -> Self::Int;
     fn least(x: Self::Int) -> i32;
     /// The numbers that they are.
     fn to_float(x: Self::Int) -> Self::Float;
@@ -97,7 +101,7 @@ pub trait Simd: Sized + 'static {
 
     /// Where cells lie of which the nth has its low corner at `cell` along each axis, if all of those that are `inside` are among 4³ of
     /// stored voxels with such `dims`, and numbers can be taken from registers.
-    fn near(cell: &[Self::Int; 3], inside: Mask, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>>;
+    fn near(cell: &[Self::Int; 3], inside: Self::Mask, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>>;
     /// The numbers round samples.
     fn near_pairs(near: &Near<Self>, numbers: &[u16]) -> Pairs<Self>;
     /// The first three parts of the vectors round samples, by their bits.

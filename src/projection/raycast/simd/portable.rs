@@ -1,8 +1,8 @@
 //! In arrays, which compilers turn into what vectors there are.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
-use super::{Mask, Near, Pairs, RAYS, Simd};
+use super::{Near, Pairs, RAYS, Simd};
 
 /// For any processor.
 pub struct Portable;
@@ -36,20 +36,46 @@ impl<T: Copy> Sixteen<T> {
     /// Where `f` says so.
     #[inline(always)]
     fn which(self, other: Self, f: impl Fn(T, T) -> bool) -> Mask {
-        let mut mask = 0;
-        for n in 0..RAYS {
-            mask |= Mask::from(f(self.0[n], other.0[n])) << n;
-        }
-        mask
+        self.with(other, |a, b| if f(a, b) { -1 } else { 0 })
     }
 
     #[inline(always)]
     fn choose(mask: Mask, a: Self, b: Self) -> Self {
         let mut all = b.0;
         for n in 0..RAYS {
-            all[n] = if mask >> n & 1 == 1 { a.0[n] } else { b.0[n] };
+            all[n] = if mask.0[n] != 0 { a.0[n] } else { b.0[n] };
         }
         Self(all)
+    }
+}
+
+/// All bits of some, and none of others.
+type Mask = Sixteen<i32>;
+
+impl BitAnd for Mask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        self.with(other, |a, b| a & b)
+    }
+}
+
+impl BitOr for Mask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        self.with(other, |a, b| a | b)
+    }
+}
+
+impl Not for Mask {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.map(|a| !a)
     }
 }
 
@@ -91,7 +117,22 @@ arithmetic!(i32, i32::wrapping_add, i32::wrapping_sub, i32::wrapping_mul);
 impl Simd for Portable {
     type Float = Sixteen<f32>;
     type Double = Sixteen<f64>;
+    type Mask = Mask;
     type Int = Sixteen<i32>;
+
+    #[inline(always)]
+    fn none() -> Mask {
+        Sixteen([0; RAYS])
+    }
+
+    #[inline(always)]
+    fn bits(mask: Mask) -> u16 {
+        let mut bits = 0;
+        for n in 0..RAYS {
+            bits |= (mask.0[n] & 1 << n) as u16;
+        }
+        bits
+    }
 
     #[inline(always)]
     fn float(x: f32) -> Self::Float {
@@ -213,7 +254,7 @@ impl Simd for Portable {
 
     #[inline(always)]
     fn and(a: Self::Int, b: Self::Int) -> Self::Int {
-        a.with(b, |a, b| a & b)
+        a & b
     }
 
     #[inline(always)]
