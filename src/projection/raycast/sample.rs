@@ -118,16 +118,16 @@ impl<S: Simd> Places<S> {
             Corners::Apart(corners) => {
                 let edges = edges(block, vectors);
                 let fraction = each!(axis of [0, 1, 2] => S::float_array(self.fraction[axis]));
-                let mut all = [[0.0; RAYS]; 3];
+                let mut all = [[0.0; 4]; RAYS];
                 let mut left = S::bits(shown);
                 while left != 0 {
                     let n = left.trailing_zeros() as usize % RAYS;
                     let fraction = [fraction[0][n], fraction[1][n], fraction[2][n]];
-                    let [x, y, z, _] = vector(&edges, corners[n] as usize, fraction);
-                    (all[0][n], all[1][n], all[2][n]) = (x, y, z);
+                    all[n] = vector(&edges, corners[n] as usize, fraction);
                     left &= left - 1;
                 }
-                each!(part of [0, 1, 2] => S::floats(all[part]))
+                let [x, y, z, _] = S::entries(&all, S::ints(std::array::from_fn(|n| n as i32)));
+                [x, y, z]
             }
         }
     }
