@@ -4,7 +4,7 @@
 //! value ranges ([`CellRanges`](crate::target::CellRanges)) are not invisible throughout, and of which something may still show ([`Remaining`]).
 //! *Practice.* Opaque table entries are counted once in a running sum, so asking for a range of values costs two look-ups.
 
-use glam::{DVec3, Vec3Swizzles};
+use glam::DVec3;
 
 use super::split::{ShownGrid, Splitter};
 use super::table::TakenEntries;
@@ -88,8 +88,6 @@ pub struct DrawCost {
     fragments_per_voxel: f64,
     /// Slices that a lattice step along each axis adds to a box.
     slices_per_step: DVec3,
-    /// Rays through a voxel's face across each axis, if a ray through a box costs anything.
-    rays_per_face: DVec3,
 }
 
 impl DrawCost {
@@ -97,15 +95,10 @@ impl DrawCost {
     /// drew differed by less than the noise, and 80 took a tenth longer. No other device was tried.
     pub(super) const SLICE: f64 = 300.0;
 
-    /// What a ray through a box costs beside its samples, in samples: where it enters and leaves, and lanes that are no samples
-    /// at both ends.
-    const RAY: f64 = 8.0;
-
     /// Fragments alone: a box is drawn whole only if all of it shows.
     pub const VOXELS: Self = Self {
         fragments_per_voxel: 1.0,
         slices_per_step: DVec3::ZERO,
-        rays_per_face: DVec3::ZERO,
     };
 
     /// Likewise with so many slices a lattice step along each axis.
@@ -126,26 +119,6 @@ impl DrawCost {
         Self {
             fragments_per_voxel: voxel_mm3 * pixels_per_mm.powi(2) / planes.step_mm,
             slices_per_step: eye_from_lattice.matrix3.row(2).abs() / planes.step_mm,
-            rays_per_face: DVec3::ZERO,
-        }
-    }
-
-    /// The cost of casting rays in such a frame, in samples.
-    pub fn of_rays(lattice: &Lattice, camera: &Camera, planes: &Planes) -> Self {
-        let eye_from_lattice = eye_from_lattice(lattice, camera);
-        let middle = affine::point(&eye_from_lattice, lattice.bounds().center());
-        let pixels_per_mm = camera.pixels_per_mm(middle.z.max(camera.near_mm()));
-        let axes = eye_from_lattice.matrix3;
-        let seen_mm2 = |b: DVec3, c: DVec3| b.cross(c).z.abs();
-        let faces = DVec3::new(
-            seen_mm2(axes.y_axis, axes.z_axis),
-            seen_mm2(axes.z_axis, axes.x_axis),
-            seen_mm2(axes.x_axis, axes.y_axis),
-        );
-        Self {
-            slices_per_step: DVec3::ZERO,
-            rays_per_face: faces * pixels_per_mm.powi(2),
-            ..Self::new(lattice, camera, planes)
         }
     }
 
@@ -158,8 +131,7 @@ impl DrawCost {
     pub(super) fn of(&self, extent: [usize; 3]) -> f64 {
         let fragments = self.of_voxels(extent.iter().product());
         let extent = DVec3::from_array(extent.map(|n| n as f64));
-        let rays = self.rays_per_face.dot(extent.yzx() * extent.zxy());
-        fragments + Self::SLICE * self.slices_per_step.dot(extent) + Self::RAY * rays
+        fragments + Self::SLICE * self.slices_per_step.dot(extent)
     }
 }
 

@@ -20,7 +20,10 @@ pub struct CastBox<'a> {
 /// The boxes of a frame, from front to back.
 pub fn front_to_back<'a>(spec: &FrameSpec, shown: &'a [Option<ShownBlock>]) -> Vec<CastBox<'a>> {
     let lattice = &spec.target.lattice;
-    let viewpoint = spec.camera.viewpoint().transformed(&lattice.world_from_lattice.inverse());
+    let viewpoint = spec
+        .camera
+        .viewpoint()
+        .transformed(&lattice.world_from_lattice.inverse());
     let eye_from_lattice = eye_from_lattice(lattice, spec.camera);
     let mut blocks = Vec::new();
     visit(spec.target, 0, spec.target.octree.root, viewpoint, &mut blocks);

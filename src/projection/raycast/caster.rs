@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::boxes;
 use super::classify::Classifier;
-use super::light::Cue;
 use super::hops::MARGIN;
+use super::light::Cue;
 use super::rays::{Depths, Rays};
 use super::shown::edge_for;
 use super::tile::{self, Cast, Scene, TILE};
@@ -67,7 +67,10 @@ pub fn require_size([width, height]: [u32; 2]) -> Result<(), ProjectError> {
 /// # Errors
 /// If the frame's size is impossible, its mode shows values where there are colours, or samples are too close.
 pub fn draw(spec: &FrameSpec, target: &CastTarget, surfaces_mm: Option<&[f32]>) -> Result<Frame, ProjectError> {
-    Ok(resolved(spec, accumulate(spec, target, &Depths::of(spec), surfaces_mm)?))
+    Ok(resolved(
+        spec,
+        accumulate(spec, target, &Depths::of(spec), surfaces_mm)?,
+    ))
 }
 
 /// Likewise in a part of the frame's depths, what its mode accumulates there: see [`composite::resolve`].
@@ -130,7 +133,9 @@ fn cast_band(cast: Cast, scene: &Scene, top: u32, band: &mut [[f32; 4]]) {
     for left in (0..scene.size[0]).step_by(TILE) {
         cast(scene, [left, top], &mut |[x, y], pixels| {
             let (x, row) = (x as usize, (y - top) as usize);
-            let Some(row) = band.chunks_exact_mut(width).nth(row) else { return };
+            let Some(row) = band.chunks_exact_mut(width).nth(row) else {
+                return;
+            };
             if let Some(rest) = row.get_mut(x..) {
                 let count = rest.len().min(pixels.len());
                 rest[..count].copy_from_slice(&pixels[..count]);

@@ -30,17 +30,31 @@ impl Gaps {
     /// Those of `cells`.
     pub fn new(cells: &Cells) -> Self {
         let dims = cells.dims;
-        let mut shown: Vec<u8> = cells.shown.iter().map(|shown| if *shown { u8::MAX } else { 0 }).collect();
+        let mut shown: Vec<u8> = cells
+            .shown
+            .iter()
+            .map(|shown| if *shown { u8::MAX } else { 0 })
+            .collect();
         // The axes along which a box of cells goes on are the bits of its number.
         for (axis, goes_on) in [0b1010_1010, 0b1100_1100, 0b1111_0000].into_iter().enumerate() {
-            spread(&mut shown, dims, axis, |here, next| here | next & goes_on, |here, _| here);
+            spread(
+                &mut shown,
+                dims,
+                axis,
+                |here, next| here | next & goes_on,
+                |here, _| here,
+            );
         }
         let free = free(&shown, dims);
         Self {
             begin: cells.begin.as_vec3(),
             edge: cells.edge as f32,
             dims,
-            cells: shown.iter().zip(free).map(|(&shown, free)| u16::from_le_bytes([shown, free])).collect(),
+            cells: shown
+                .iter()
+                .zip(free)
+                .map(|(&shown, free)| u16::from_le_bytes([shown, free]))
+                .collect(),
         }
     }
 
@@ -80,7 +94,13 @@ fn free(shown: &[u8], dims: [usize; 3]) -> Vec<u8> {
         }
         free.iter_mut().zip(&near).for_each(|(free, near)| *free += 1 - near);
         for axis in 0..3 {
-            spread(&mut near, dims, axis, |here, next| here | next, |here, before| here | before);
+            spread(
+                &mut near,
+                dims,
+                axis,
+                |here, next| here | next,
+                |here, before| here | before,
+            );
         }
     }
     free
@@ -105,6 +125,73 @@ fn spread(
         }
         for (here, before) in cells[high..].iter_mut().zip(&old[..low]) {
             *here = by_before(*here, *before);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    use super::super::simd::{Portable, RAYS};
+    use super::*;
+
+    fn cells() -> impl Strategy<Value = Cells> {
+        let dims = prop::array::uniform3(1usize..7);
+        let begin = prop::array::uniform3(-9i32..9);
+        (dims, begin, 1u32..4, 0.0..0.4f64).prop_flat_map(|(dims, begin, level, density)| {
+            let shown = prop::collection::vec(prop::bool::weighted(density), dims.iter().product::<usize>());
+            shown.prop_map(move |shown| Cells {
+                edge: 1 << level,
+                begin: DVec3::from_array(begin.map(|n| f64::from(n) + 0.5)),
+                dims,
+                shown,
+            })
+        })
+    }
+
+    /// Whether any cell that shows meets the box between `low` and `high`.
+    fn shows(cells: &Cells, low: [f32; 3], high: [f32; 3]) -> bool {
+        let [width, height, _] = cells.dims;
+        let begin = cells.begin.as_vec3().to_array();
+        (0..cells.shown.len()).filter(|n| cells.shown[*n]).any(|n| {
+            let cell = [n % width, n / width % height, n / width / height];
+            (0..3).all(|a| {
+                let face = begin[a] + (cells.edge * cell[a]) as f32;
+                high[a] >= face && low[a] < face + cells.edge as f32
+            })
+        })
+    }
+
+    proptest! {
+        /// What is said to be free shows nothing, wherever it is moved as far as is said; and of cells that are met, what shows is seen.
+        #[test]
+        fn what_is_free_shows_nothing(
+            cells in cells(),
+            at in prop::array::uniform3(-0.2f32..1.2),
+            extent in prop::array::uniform3(0.0f32..0.99),
+            moved in prop::array::uniform3(-1.0f32..=1.0),
+        ) {
+            let gaps = Gaps::new(&cells);
+            let edge = cells.edge as f32;
+            let low: [f32; 3] = std::array::from_fn(|a| gaps.begin[a] + at[a] * edge * cells.dims[a] as f32);
+            let high: [f32; 3] = std::array::from_fn(|a| low[a] + extent[a] * edge);
+            let splat = |corner: [f32; 3]| corner.map(Portable::float);
+            let (free, voxels) = gaps.free::<Portable>(&splat(low), &splat(high));
+            let voxels = Portable::float_array(voxels);
+            prop_assert_eq!(voxels, [voxels[0]; RAYS]);
+            let inside = (0..3).all(|a| (0.0..1.0).contains(&at[a]));
+            match Portable::bits(free) {
+                0 if inside => prop_assert!(shows(&cells, low, high)),
+                0 => {}
+                bits => {
+                    prop_assert_eq!(bits, u16::MAX);
+                    let by: [f32; 3] = std::array::from_fn(|a| moved[a] * voxels[0]);
+                    let corner = |corner: [f32; 3]| std::array::from_fn(|a| corner[a] + by[a]);
+                    prop_assert!(!shows(&cells, corner(low), corner(high)));
+                }
+            }
         }
     }
 }

@@ -90,9 +90,15 @@ impl<S: Simd> Hops<S> {
         for axis in 0..3 {
             // It is in the box from where its highest place is above the low face and its lowest below the high one.
             let (above, rises) = high[axis].meets(bounds.min[axis] - margin);
-            (begin, end) = (larger_where::<S>(rises, above, begin), smaller_where::<S>(!rises, above, end));
+            (begin, end) = (
+                larger_where::<S>(rises, above, begin),
+                smaller_where::<S>(!rises, above, end),
+            );
             let (below, rises) = low[axis].meets(bounds.max[axis] + margin);
-            (begin, end) = (larger_where::<S>(!rises, below, begin), smaller_where::<S>(rises, below, end));
+            (begin, end) = (
+                larger_where::<S>(!rises, below, begin),
+                smaller_where::<S>(rises, below, end),
+            );
         }
         let one = S::double(1.0);
         let planes = S::whole_double(S::floor_double(smaller_where::<S>(!S::none(), begin, S::double(LAST))));

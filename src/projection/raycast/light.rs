@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::simd::{Simd, each};
 use super::rays::{Depths, Rays};
+use super::simd::{Simd, each};
 use super::voxels::ONE_NORMAL;
 use crate::projection::{DepthCue, FrameSpec, Light, Shading};
 

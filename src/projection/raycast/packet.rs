@@ -11,6 +11,13 @@ use super::simd::Simd;
 use super::tile::{Scene, pixel};
 use super::voxels::CastBlock;
 
+/// See [`Scene::paths`].
+#[inline(always)]
+fn paths<S: Simd>(scene: &Scene, first: [u32; 2]) -> Option<S::Float> {
+    let paths = scene.paths?;
+    Some(S::floats(std::array::from_fn(|n| paths(pixel(first, n)))))
+}
+
 /// Planes in a row at which nothing shows, from which on it is asked how far that goes: to ask costs about as much.
 const MISSES: u32 = 3;
 
@@ -35,10 +42,7 @@ impl<S: Simd> Packet<S> {
         Self {
             pixels: [S::float(0.0); 4],
             rays: PacketRays::new(&scene.rays, first),
-            paths: match scene.paths {
-                Some(paths) => Some(S::floats(std::array::from_fn(|n| paths(pixel(first, n))))),
-                None => None,
-            },
+            paths: paths::<S>(scene, first),
             ends: match scene.stops {
                 Some(stops) => S::ints(std::array::from_fn(|n| stops(pixel(first, n)))),
                 None => S::int(scene.rays.planes),
@@ -74,7 +78,11 @@ impl<S: Simd> Packet<S> {
                 Some(start) if start.reaches(plane) => start,
                 _ => start.insert(Start::new(block, &self.rays, plane)),
             };
-            misses = if self.sample(scene, block, start, plane, inside) { 0 } else { misses + 1 };
+            misses = if self.sample(scene, block, start, plane, inside) {
+                0
+            } else {
+                misses + 1
+            };
             if misses == MISSES {
                 return plane + 1;
             }

@@ -77,7 +77,10 @@ impl OverFrame {
     /// Along an axis, those of the packet whose first pixel is `first`.
     #[inline(always)]
     fn packet<S: Simd>(&self, axis: usize, first: [u32; 2]) -> S::Double {
-        self.at::<S>(axis, each!(a of [0, 1] => S::double(f64::from(first[a])) + S::doubles(WITHIN[a])))
+        self.at::<S>(
+            axis,
+            each!(a of [0, 1] => S::double(f64::from(first[a])) + S::doubles(WITHIN[a])),
+        )
     }
 
     /// Along an axis, those of pixels in these columns and rows.

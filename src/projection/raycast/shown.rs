@@ -26,6 +26,7 @@ pub struct ShownBlock {
 }
 
 /// Which cells of a block show.
+#[derive(Debug)]
 pub struct Cells {
     /// Voxels along a cell's edge, a power of two.
     pub edge: usize,

@@ -89,7 +89,10 @@ type Packets<S> = [Option<Packet<S>>; PACKETS * PACKETS];
 
 /// The first pixel of a packet of the tile whose first pixel is `first`.
 fn first_of([x, y]: [u32; 2], packet: usize) -> [u32; 2] {
-    [x + (packet % PACKETS * EDGE) as u32, y + (packet / PACKETS * EDGE) as u32]
+    [
+        x + (packet % PACKETS * EDGE) as u32,
+        y + (packet / PACKETS * EDGE) as u32,
+    ]
 }
 
 #[inline(always)]

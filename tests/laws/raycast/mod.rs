@@ -8,3 +8,4 @@ mod drawing;
 mod edges;
 mod picture;
 mod surfaces;
+mod vectors;

@@ -60,9 +60,18 @@ macro_rules! operator {
 operator!(Float, Add, add, |a, b| Float(_mm512_add_ps(a.0, b.0)));
 operator!(Float, Sub, sub, |a, b| Float(_mm512_sub_ps(a.0, b.0)));
 operator!(Float, Mul, mul, |a, b| Float(_mm512_mul_ps(a.0, b.0)));
-operator!(Double, Add, add, |a, b| Double(_mm512_add_pd(a.0, b.0), _mm512_add_pd(a.1, b.1)));
-operator!(Double, Sub, sub, |a, b| Double(_mm512_sub_pd(a.0, b.0), _mm512_sub_pd(a.1, b.1)));
-operator!(Double, Mul, mul, |a, b| Double(_mm512_mul_pd(a.0, b.0), _mm512_mul_pd(a.1, b.1)));
+operator!(Double, Add, add, |a, b| Double(
+    _mm512_add_pd(a.0, b.0),
+    _mm512_add_pd(a.1, b.1)
+));
+operator!(Double, Sub, sub, |a, b| Double(
+    _mm512_sub_pd(a.0, b.0),
+    _mm512_sub_pd(a.1, b.1)
+));
+operator!(Double, Mul, mul, |a, b| Double(
+    _mm512_mul_pd(a.0, b.0),
+    _mm512_mul_pd(a.1, b.1)
+));
 operator!(Int, Add, add, |a, b| Int(_mm512_add_epi32(a.0, b.0)));
 operator!(Int, Sub, sub, |a, b| Int(_mm512_sub_epi32(a.0, b.0)));
 operator!(Int, Mul, mul, |a, b| Int(_mm512_mullo_epi32(a.0, b.0)));
@@ -200,7 +209,10 @@ impl Simd for Avx512 {
             let before = _mm512_min_epu32(places, _mm512_set1_epi32(last - 1));
             let two = _mm512_i32gather_epi32::<2>(before, list.as_ptr().cast());
             let second = _mm512_slli_epi32::<4>(_mm512_sub_epi32(places, before));
-            Int(_mm512_and_epi32(_mm512_srlv_epi32(two, second), _mm512_set1_epi32(0xffff)))
+            Int(_mm512_and_epi32(
+                _mm512_srlv_epi32(two, second),
+                _mm512_set1_epi32(0xffff),
+            ))
         }
     }
 
@@ -298,7 +310,7 @@ impl Simd for Avx512 {
             // The parts of a plane: the first two, and the third.
             let planes = each!(z of [0, 1, 2, 3] => {
                 let [a, b] = each!(n of [4 * z, 4 * z + 2] => {
-                    let [low, high] = each!(n of [n, n + 1] => _mm256_loadu_si256(rows[n].as_ptr().cast()));
+                    let [low, high] = each!(row of [n, n + 1] => _mm256_loadu_si256(rows[row].as_ptr().cast()));
                     _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
                 });
                 [

@@ -3,9 +3,9 @@
 //! *Practice.* The ray caster is written once, for any [`Simd`]: [`Portable`] in arrays, which compilers turn into what vectors the
 //! processor has, [`Avx512`] in registers of 512 bits. Each operation rounds as the other's does, so the bits of a frame are the same.
 
-mod portable;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod portable;
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 

@@ -17,8 +17,8 @@ impl<T: Copy> Sixteen<T> {
     #[inline(always)]
     fn map<R: Copy + Default>(self, f: impl Fn(T) -> R) -> Sixteen<R> {
         let mut all = [R::default(); RAYS];
-        for n in 0..RAYS {
-            all[n] = f(self.0[n]);
+        for (one, of) in all.iter_mut().zip(self.0) {
+            *one = f(of);
         }
         Sixteen(all)
     }
@@ -27,8 +27,8 @@ impl<T: Copy> Sixteen<T> {
     #[inline(always)]
     fn with<R: Copy + Default>(self, other: Self, f: impl Fn(T, T) -> R) -> Sixteen<R> {
         let mut all = [R::default(); RAYS];
-        for n in 0..RAYS {
-            all[n] = f(self.0[n], other.0[n]);
+        for (n, one) in all.iter_mut().enumerate() {
+            *one = f(self.0[n], other.0[n]);
         }
         Sixteen(all)
     }
@@ -42,8 +42,8 @@ impl<T: Copy> Sixteen<T> {
     #[inline(always)]
     fn choose(mask: Mask, a: Self, b: Self) -> Self {
         let mut all = b.0;
-        for n in 0..RAYS {
-            all[n] = if mask.0[n] != 0 { a.0[n] } else { b.0[n] };
+        for (n, one) in all.iter_mut().enumerate() {
+            *one = if mask.0[n] != 0 { a.0[n] } else { b.0[n] };
         }
         Self(all)
     }
@@ -279,7 +279,10 @@ impl Simd for Portable {
 
     #[inline(always)]
     fn unsigned_halves(x: Self::Int) -> [Self::Float; 2] {
-        [x.map(|x| (x & 0xffff) as f32), x.map(|x| (x as u32 >> 16) as i32 as f32)]
+        [
+            x.map(|x| (x & 0xffff) as f32),
+            x.map(|x| (x as u32 >> 16) as i32 as f32),
+        ]
     }
 
     #[inline(always)]
