@@ -5,7 +5,7 @@ use vcsg::image::Frame;
 use vcsg::projection::{FrameSpec, Projector, Reference, raycast::RayCaster};
 
 use super::drawing::drawing;
-use super::picture::picture;
+use super::picture::{nearer, picture};
 use crate::scene::Recipe;
 use crate::support::scenes::{scene, subdivision};
 use crate::support::seeded;
@@ -55,6 +55,16 @@ fn scenes_agree_with_the_reference() {
         "at most {:.3} of the bounds' half width, and {:.2e} from the reference",
         worst[0], worst[1]
     );
+}
+
+/// From so near that cells of blocks are looked into for what shows.
+#[test]
+fn scenes_from_near_agree_with_the_reference() {
+    for seed in 0..120 {
+        let scene = Recipe::random(seed).scene();
+        let camera = &nearer(&scene.spec(), 6.0);
+        deviations(&FrameSpec { camera, ..scene.spec() });
+    }
 }
 
 /// Scenes of all that a model can hold, of values all the same, from eyes within: bounds are numbers, and hold both.

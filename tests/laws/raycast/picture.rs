@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use vcsg::image::Frame;
-use vcsg::projection::{FrameSpec, Projector, Settings, raycast::RayCaster};
+use vcsg::projection::{Camera, FrameSpec, Lens, Projector, Settings, raycast::RayCaster};
 use vcsg::target::Target;
 
 use crate::support::views::{Eye, Look, eye, look, settings};
@@ -36,6 +36,16 @@ impl Picture {
     pub fn cast(&self, target: &Target) -> Frame {
         self.of(target, |spec| RayCaster.project(spec).expect("a frame"))
     }
+}
+
+/// The camera of `spec`, of which everything is so many times as large in the frame.
+pub fn nearer(spec: &FrameSpec, times: f64) -> Camera {
+    let mut camera = *spec.camera;
+    match &mut camera.lens {
+        Lens::Orthographic { pixels_per_mm } => *pixels_per_mm *= times,
+        Lens::Perspective { focal_px, .. } => *focal_px *= times,
+    }
+    camera
 }
 
 /// Whether two frames have the same bits, NaN apart.

@@ -2,9 +2,9 @@
 
 use vcsg::model::Boundary;
 use vcsg::projection::raycast::{PortableRayCaster, RayCaster};
-use vcsg::projection::{FrameSpec, Lens, Projector};
+use vcsg::projection::{FrameSpec, Projector};
 
-use super::picture::{picture, same};
+use super::picture::{nearer, picture, same};
 use crate::support::scenes::{scene, subdivision};
 use crate::support::seeded;
 
@@ -21,15 +21,8 @@ fn any_vectors_give_the_same_bits() {
         let target = seeded(&scene(), seed).target(&seeded(&subdivision(Boundary::Exact), seed));
         seeded(&picture(), seed).of(&target, |spec| {
             for times in [1.0, 3.0, 12.0] {
-                let mut camera = *spec.camera;
-                match &mut camera.lens {
-                    Lens::Orthographic { pixels_per_mm } => *pixels_per_mm *= times,
-                    Lens::Perspective { focal_px, .. } => *focal_px *= times,
-                }
-                let nearer = FrameSpec {
-                    camera: &camera,
-                    ..*spec
-                };
+                let camera = &nearer(spec, times);
+                let nearer = FrameSpec { camera, ..*spec };
                 assert_eq!(both(&nearer), Ok(()), "seed {seed}, {times} times as near");
             }
         });
