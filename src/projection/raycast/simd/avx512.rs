@@ -139,6 +139,10 @@ impl Simd for Avx512 {
         fn ints(x: [i32; RAYS]) -> Int { Int(std::mem::transmute::<[i32; RAYS], __m512i>(x)) }
         fn int_array(x: Int) -> [i32; RAYS] { std::mem::transmute::<__m512i, [i32; RAYS]>(x.0) }
 
+        fn one(x: Int, n: usize) -> i32 {
+            _mm512_cvtsi512_si32(_mm512_permutexvar_epi32(_mm512_set1_epi32(n as i32), x.0))
+        }
+
         fn divide(a: Float, b: Float) -> Float { Float(_mm512_div_ps(a.0, b.0)) }
         fn floor(x: Float) -> Float { Float(_mm512_roundscale_ps::<DOWN>(x.0)) }
         fn root(x: Float) -> Float { Float(_mm512_sqrt_ps(x.0)) }
@@ -266,7 +270,7 @@ impl Simd for Avx512 {
             if last < 0 {
                 return None;
             }
-            let low = Self::int_array(cell[axis])[lowest[axis]].clamp(0, last);
+            let low = Self::one(cell[axis], lowest[axis]).clamp(0, last);
             near.corner += low as usize * stride;
             stride *= dims[axis] as usize;
             let at = cell[axis] - Self::int(low);

@@ -57,6 +57,8 @@ pub trait Simd: Sized + 'static {
     fn int(x: i32) -> Self::Int;
     fn ints(x: [i32; RAYS]) -> Self::Int;
     fn int_array(x: Self::Int) -> [i32; RAYS];
+    /// One of them.
+    fn one(x: Self::Int, n: usize) -> i32;
 
     fn divide(a: Self::Float, b: Self::Float) -> Self::Float;
     fn floor(x: Self::Float) -> Self::Float;

@@ -175,6 +175,11 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn one(x: Self::Int, n: usize) -> i32 {
+        x.0[n]
+    }
+
+    #[inline(always)]
     fn divide(a: Self::Float, b: Self::Float) -> Self::Float {
         a.with(b, |a, b| a / b)
     }
