@@ -25,7 +25,8 @@ const MISSES: u32 = 3;
 pub struct Packet<S: Simd> {
     /// What has been blended so far.
     pub pixels: Colours<S>,
-    rays: PacketRays<S>,
+    /// Its first pixel.
+    first: [u32; 2],
     /// Millimetres of each ray a millimetre of depth, if not all are 1.
     paths: Option<S::Float>,
     /// The first plane of each pixel that is not sampled any more.
@@ -41,7 +42,7 @@ impl<S: Simd> Packet<S> {
         let nowhere = S::int(0);
         Self {
             pixels: [S::float(0.0); 4],
-            rays: PacketRays::new(&scene.rays, first),
+            first,
             paths: paths::<S>(scene, first),
             ends: match scene.stops {
                 Some(stops) => S::ints(std::array::from_fn(|n| stops(pixel(first, n)))),
@@ -56,9 +57,10 @@ impl<S: Simd> Packet<S> {
 
     /// Turns to a box.
     #[inline(always)]
-    pub fn enter(&mut self, cast_box: &CastBox) {
+    pub fn enter(&mut self, scene: &Scene, cast_box: &CastBox) {
         let bounds = &cast_box.shown.bounds;
-        let Intervals { begin, end } = self.rays.intervals(&bounds.min.to_array(), &bounds.max.to_array());
+        let Intervals { begin, end } =
+            PacketRays::<S>::new(&scene.rays, self.first).intervals(&bounds.min.to_array(), &bounds.max.to_array());
         let end = S::choose_int(S::greater_int(end, self.ends), self.ends, end);
         self.covered = Intervals { begin, end };
     }
@@ -76,7 +78,7 @@ impl<S: Simd> Packet<S> {
             let inside = before & !S::greater_int(self.covered.begin, S::int(plane));
             let start = match &start {
                 Some(start) if start.reaches(plane) => start,
-                _ => start.insert(Start::new(block, &self.rays, plane)),
+                _ => start.insert(Start::new(block, &PacketRays::new(&scene.rays, self.first), plane)),
             };
             misses = if self.sample(scene, block, start, plane, inside) {
                 0

@@ -174,9 +174,6 @@ pub struct PacketRays<S: Simd> {
     pub origin: [S::Double; 3],
     /// How far the next one is from it.
     pub step: [S::Double; 3],
-    inverse: [S::Double; 3],
-    /// Which rays' coordinates rise.
-    rises: [S::Mask; 3],
 }
 
 /// Stands for the inverse of no movement: with it a face is crossed before the first plane or behind the last.
@@ -203,22 +200,17 @@ impl<S: Simd> PacketRays<S> {
     /// The rays of the packet whose first pixel is `first`; of pixels beyond the frame too.
     #[inline(always)]
     pub fn new(rays: &Rays, first: [u32; 2]) -> Self {
-        let step = each!(axis of [0, 1, 2] => rays.step.packet::<S>(axis, first));
-        let zero = S::double(0.0);
-        let inverse = each!(axis of [0, 1, 2] => inverse::<S>(step[axis]));
         Self {
             origin: each!(axis of [0, 1, 2] => rays.origin.packet::<S>(axis, first)),
-            rises: each!(axis of [0, 1, 2] => S::greater_double(inverse[axis], zero)),
-            inverse,
-            step,
+            step: each!(axis of [0, 1, 2] => rays.step.packet::<S>(axis, first)),
         }
     }
 
     /// The first plane, as a whole number, at or behind which rays are at or beyond coordinate `face` of an axis, whichever way
-    /// they go.
+    /// they go; `inverse` is that of their steps.
     #[inline(always)]
-    fn crossing(&self, axis: usize, face: f64) -> S::Double {
-        S::ceil_double((S::double(face) - self.origin[axis]) * self.inverse[axis])
+    fn crossing(&self, axis: usize, inverse: S::Double, face: f64) -> S::Double {
+        S::ceil_double((S::double(face) - self.origin[axis]) * inverse)
     }
 
     /// The covered sampling points of the box between `low` and `high`.
@@ -227,9 +219,10 @@ impl<S: Simd> PacketRays<S> {
         let last = S::double((1 << 30) as f64);
         let (mut begin, mut end) = (S::double(0.0), last);
         for axis in 0..3 {
-            let [a, b] = each!(corner of [low, high] => self.crossing(axis, corner[axis]));
-            let first = S::choose_double(self.rises[axis], a, b);
-            let leaves = S::choose_double(self.rises[axis], b, a);
+            let inverse = inverse::<S>(self.step[axis]);
+            let rises = S::greater_double(inverse, S::double(0.0));
+            let [a, b] = each!(corner of [low, high] => self.crossing(axis, inverse, corner[axis]));
+            let (first, leaves) = (S::choose_double(rises, a, b), S::choose_double(rises, b, a));
             begin = S::choose_double(S::greater_double(first, begin), first, begin);
             end = S::choose_double(S::greater_double(end, leaves), leaves, end);
         }

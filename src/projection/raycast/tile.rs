@@ -127,7 +127,7 @@ fn cast_box_by<S: Simd>(packets: &mut Packets<S>, scene: &Scene, first: [u32; 2]
             };
             if entered >> n & 1 == 0 {
                 entered |= 1 << n;
-                packet.enter(cast_box);
+                packet.enter(scene, cast_box);
             }
             planes[n] = packet.march(scene, block, planes[n]..slab.min(ends[n]));
         }
