@@ -11,7 +11,7 @@ use super::shown::edge_for;
 use super::tile::{self, Cast, Scene, TILE};
 use super::voxels::CastTarget;
 use crate::image::Frame;
-use crate::projection::{FrameSpec, Lens, ProjectError, Projector, VisibleValues, composite};
+use crate::projection::{FrameSpec, Lens, ProjectError, Projector, composite};
 
 /// The longest side of a frame, pixels.
 const LONGEST_SIDE: u32 = 1 << 15;
@@ -107,13 +107,14 @@ fn accumulate_by(
     });
     let path = |[x, y]: [u32; 2]| spec.camera.path_per_depth(x, y) as f32;
     let parallel = matches!(spec.camera.lens, Lens::Orthographic { .. });
-    let table = spec.table();
-    let edge = edge_for(rays.packet_extent().max_element() + f64::from(4.0 * MARGIN));
-    let shown = target.shown(spec.target, VisibleValues::in_frame(spec, &table), edge);
+    let shown = target.shown(
+        spec,
+        edge_for(rays.packet_extent().max_element() + f64::from(4.0 * MARGIN)),
+    );
     let scene = Scene {
         target,
-        boxes: &boxes::front_to_back(spec, &shown),
-        classifier: Classifier::new(spec, &table, Cue::new(&spec.settings.depth_cue, depths, &rays)),
+        boxes: &boxes::front_to_back(spec, &shown.blocks),
+        classifier: Classifier::new(spec, &shown.table, Cue::new(&spec.settings.depth_cue, depths, &rays)),
         rays,
         blending: spec.settings.mode.blending(),
         size: spec.camera.size,

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::normals::voxel_normals;
 use super::shown::ShownBlock;
 use crate::array::Array;
-use crate::projection::{FrameSpec, SoftNormals, VisibleValues};
+use crate::projection::{FrameSpec, SoftNormals, TransferFunction, TransferTable, VisibleValues};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
 
 /// What is stored for 1.
@@ -27,14 +27,27 @@ pub struct CastTarget {
     /// The cells of each block.
     pub(super) cells: Vec<CellRanges>,
     /// What shows of it, of the frame before.
-    shown: Mutex<Option<Shown>>,
+    shown: Mutex<Option<Arc<Shown>>>,
 }
 
-/// What shows of a target, by what it depends on.
-struct Shown {
-    values: VisibleValues,
+/// What shows of a target.
+pub(super) struct Shown {
+    of: Look,
+    /// The transfer function for a step of depth.
+    pub table: TransferTable,
+    /// Of each block; `None` of one of which nothing does.
+    pub blocks: Vec<Option<ShownBlock>>,
+}
+
+/// What that depends on.
+#[derive(PartialEq)]
+struct Look {
+    transfer: TransferFunction,
+    /// Whether the transfer function is asked.
+    classifies: bool,
+    step_mm: f64,
+    /// See [`ShownBlock::all`].
     edge: usize,
-    blocks: Arc<Vec<Option<ShownBlock>>>,
 }
 
 /// The voxels of a block and of one more on each side, x fastest.
@@ -75,20 +88,23 @@ impl CastTarget {
         Self::new(spec.target, normals.as_ref())
     }
 
-    /// What of it shows if `values` do, as [`ShownBlock::all`] finds it; found anew only if it is not what was asked for before.
-    pub(super) fn shown(&self, target: &Target, values: VisibleValues, edge: usize) -> Arc<Vec<Option<ShownBlock>>> {
+    /// What of it shows in the frame of `spec`, in cells with an `edge` of so many voxels; found anew only if that is not what was asked for
+    /// before.
+    pub(super) fn shown(&self, spec: &FrameSpec, edge: usize) -> Arc<Shown> {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
-        let same = |shown: &&Shown| shown.edge == edge && shown.values == values;
-        if let Some(before) = shown.as_ref().filter(same) {
-            return before.blocks.clone();
-        }
-        let blocks = Arc::new(ShownBlock::all(target, self, &values, edge));
-        *shown = Some(Shown {
-            values,
+        let of = Look {
+            transfer: spec.transfer.clone(),
+            classifies: spec.settings.mode.classifies(),
+            step_mm: spec.planes().step_mm,
             edge,
-            blocks: blocks.clone(),
-        });
-        blocks
+        };
+        if let Some(before) = shown.as_ref().filter(|shown| shown.of == of) {
+            return before.clone();
+        }
+        let table = spec.table();
+        let values = VisibleValues::in_frame(spec, &table);
+        let blocks = ShownBlock::all(spec.target, self, &values, edge);
+        shown.insert(Arc::new(Shown { of, table, blocks })).clone()
     }
 }
 
