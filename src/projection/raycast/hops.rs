@@ -103,7 +103,9 @@ impl<S: Simd> Hops<S> {
         let one = S::double(1.0);
         let planes = S::whole_double(S::floor_double(smaller_where::<S>(!S::none(), begin, S::double(LAST))));
         let ends = S::whole_double(S::ceil_double(larger_where::<S>(!S::none(), end + one, S::double(0.0))));
-        let from = S::least(planes);
+        // Of those that meet the box: how far they go from there is little, whatever the lattice.
+        let meet = S::greater_int(ends, planes);
+        let from = S::least(S::choose_int(meet, planes, S::int(i32::MAX)));
         let low = each!(axis of [0, 1, 2] => low[axis].line(from, block.first[axis]));
         let high = each!(axis of [0, 1, 2] => high[axis].line(from, block.first[axis]));
         let mut fastest = S::float(f32::MIN_POSITIVE);

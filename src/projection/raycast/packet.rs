@@ -11,13 +11,6 @@ use super::simd::Simd;
 use super::tile::{Scene, pixel};
 use super::voxels::CastBlock;
 
-/// See [`Scene::paths`].
-#[inline(always)]
-fn paths<S: Simd>(scene: &Scene, first: [u32; 2]) -> Option<S::Float> {
-    let paths = scene.paths?;
-    Some(S::floats(std::array::from_fn(|n| paths(pixel(first, n)))))
-}
-
 /// Planes in a row at which nothing shows, from which on it is asked how far that goes: to ask costs about as much.
 const MISSES: u32 = 3;
 
@@ -113,4 +106,11 @@ impl<S: Simd> Packet<S> {
         self.covered.end = S::choose_int(hidden, S::int(0), self.covered.end);
         true
     }
+}
+
+/// See [`Scene::paths`].
+#[inline(always)]
+fn paths<S: Simd>(scene: &Scene, first: [u32; 2]) -> Option<S::Float> {
+    let paths = scene.paths?;
+    Some(S::floats(std::array::from_fn(|n| paths(pixel(first, n)))))
 }
