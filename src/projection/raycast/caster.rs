@@ -117,30 +117,58 @@ fn accumulate_by(
         classifier: Classifier::new(spec, &shown.table, Cue::new(&spec.settings.depth_cue, depths, &rays)),
         rays,
         blending: spec.settings.mode.blending(),
-        size: spec.camera.size,
         paths: (!parallel).then_some(&path),
         stops: stops.as_ref().map(|stops| stops as _),
     };
     let mut frame = Frame::transparent(width, height);
-    let band = TILE * width as usize;
-    let bands = frame.pixels_mut().par_chunks_mut(band).enumerate();
-    bands.for_each(|(n, band)| cast_band(cast, &scene, (n * TILE) as u32, band));
+    // A few tiles are soon done, so that no thread waits long for another's last.
+    let parts = parts(&mut frame).into_par_iter().with_max_len(1);
+    parts.for_each(|part| part.cast(cast, &scene));
     Ok(frame)
 }
 
-/// Casts the tiles of the rows of `band`, the first of which is `top`.
-fn cast_band(cast: Cast, scene: &Scene, top: u32, band: &mut [[f32; 4]]) {
-    let width = scene.size[0] as usize;
-    for left in (0..scene.size[0]).step_by(TILE) {
-        cast(scene, [left, top], &mut |[x, y], pixels| {
-            let (x, row) = (x as usize, (y - top) as usize);
-            let Some(row) = band.chunks_exact_mut(width).nth(row) else {
-                return;
-            };
-            if let Some(rest) = row.get_mut(x..) {
-                let count = rest.len().min(pixels.len());
-                rest[..count].copy_from_slice(&pixels[..count]);
+/// Columns of pixels that are cast together: some tiles side by side.
+const PART: usize = 4 * TILE;
+
+/// The pixels of a few tiles.
+struct Part<'a> {
+    /// The first of them.
+    first: [u32; 2],
+    /// All, row by row.
+    rows: [&'a mut [[f32; 4]]; TILE],
+}
+
+/// A frame in parts.
+fn parts(frame: &mut Frame) -> Vec<Part<'_>> {
+    let width = frame.width() as usize;
+    let columns = width.div_ceil(PART);
+    let mut parts = Vec::new();
+    for (band, pixels) in frame.pixels_mut().chunks_mut(TILE * width).enumerate() {
+        let first = parts.len();
+        parts.extend((0..columns).map(|column| Part {
+            first: [column * PART, band * TILE].map(|n| n as u32),
+            rows: Default::default(),
+        }));
+        for (n, row) in pixels.chunks_mut(width).enumerate() {
+            for (part, pixels) in parts[first..].iter_mut().zip(row.chunks_mut(PART)) {
+                part.rows[n] = pixels;
             }
-        });
+        }
+    }
+    parts
+}
+
+impl Part<'_> {
+    fn cast(mut self, cast: Cast, scene: &Scene) {
+        let [left, top] = self.first;
+        for column in (0..self.rows[0].len()).step_by(TILE) {
+            cast(scene, [left + column as u32, top], &mut |[x, y], pixels| {
+                let row = self.rows.get_mut((y - top) as usize);
+                if let Some(rest) = row.and_then(|row| row.get_mut((x - left) as usize..)) {
+                    let count = rest.len().min(pixels.len());
+                    rest[..count].copy_from_slice(&pixels[..count]);
+                }
+            });
+        }
     }
 }

@@ -2,9 +2,10 @@
 
 use super::blend::Colours;
 use super::light::{Cue, Lights};
-use super::sample::{Part, Places};
-use super::simd::{RAYS, Simd, each, larger, smaller};
-use super::voxels::{CastBlock, ONE};
+use super::power::lengthen;
+use super::sample::Places;
+use super::simd::{Simd, each, larger, smaller};
+use super::voxels::{CastBlock, NONE, ONE};
 use crate::projection::{FrameSpec, Mode, TransferTable};
 
 /// The entry behind a table's last one: nothing shows.
@@ -110,7 +111,7 @@ impl Classifier {
         }
         let mut sources = S::entries(&self.table, S::choose_int(seen, entries, S::int(NOTHING as i32)));
         if let Some(paths) = bundle.paths {
-            lengthen::<S>(&mut sources, paths);
+            sources = lengthen::<S>(&sources, paths);
         }
         if let Some(coverage) = coverage {
             let coverage = S::divide(coverage, S::float(ONE));
@@ -143,15 +144,14 @@ impl Classifier {
         let opacity = S::choose(shown, weighted, S::float(0.0));
         // Rounding may bring a colour above its opacity.
         let rgb = bundle.vectors(&bundle.block.rgb, shown);
-        let [r, g, b] = each!(c of [0, 1, 2] => smaller::<S>(rgb[c], opacity));
-        let mut sources = each!(c of [r, g, b, opacity] => S::divide(c, S::float(ONE)));
+        let [r, g, b] = each!(c of [0, 1, 2] => smaller::<S>(rgb[c] - S::float(NONE), opacity));
+        let sources = each!(c of [r, g, b, opacity] => S::divide(c, S::float(ONE)));
         let units = S::float(units);
         let lengths = match bundle.paths {
             Some(paths) => units * paths,
             None => units,
         };
-        lengthen::<S>(&mut sources, lengths);
-        Some(sources)
+        Some(lengthen::<S>(&sources, lengths))
     }
 
     /// Colours with light and depth cue, where they show.
@@ -172,10 +172,10 @@ impl Classifier {
 }
 
 impl<S: Simd> Bundle<'_, S> {
-    /// The samples of numbers, in steps of what is stored.
+    /// The samples of numbers, in parts of [`ONE`].
     #[inline(always)]
-    fn numbers(&self, numbers: &[u16]) -> S::Float {
-        self.places.numbers(self.block, numbers)
+    fn numbers(&self, numbers: &[i16]) -> S::Float {
+        self.places.numbers(numbers) - S::float(NONE)
     }
 
     /// The coverage of each sample in parts of [`ONE`]; `None` where it is 1.
@@ -190,32 +190,7 @@ impl<S: Simd> Bundle<'_, S> {
 
     /// The samples of vectors that are `shown`, in steps of what is stored.
     #[inline(always)]
-    fn vectors<T: Part>(&self, vectors: &[[T; 4]], shown: S::Mask) -> [S::Float; 3] {
-        self.places.vectors(self.block, vectors, shown)
+    fn vectors(&self, vectors: &[[i16; 4]], shown: S::Mask) -> [S::Float; 3] {
+        self.places.vectors(vectors, shown)
     }
-}
-
-/// Sources for paths of such lengths.
-#[inline(always)]
-fn lengthen<S: Simd>(sources: &mut Colours<S>, lengths: S::Float) {
-    let mut all = each!(c of [0, 1, 2, 3] => S::float_array(sources[c]));
-    let lengths = S::float_array(lengths);
-    for n in 0..RAYS {
-        let longer = lengthened([all[0][n], all[1][n], all[2][n], all[3][n]], lengths[n]);
-        for c in 0..4 {
-            all[c][n] = longer[c];
-        }
-    }
-    *sources = each!(c of [0, 1, 2, 3] => S::floats(all[c]));
-}
-
-/// See [`lengthened`](crate::projection::table::lengthened).
-#[inline(always)]
-fn lengthened([r, g, b, a]: [f32; 4], length: f32) -> [f32; 4] {
-    if length == 1.0 || a <= 0.0 {
-        return [r, g, b, a];
-    }
-    let longer = 1.0 - (1.0 - a).max(0.0).powf(length);
-    let scale = longer / a;
-    [r * scale, g * scale, b * scale, longer]
 }

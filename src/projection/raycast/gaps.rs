@@ -179,7 +179,7 @@ mod tests {
             let high: [f32; 3] = std::array::from_fn(|a| low[a] + extent[a] * edge);
             let splat = |corner: [f32; 3]| corner.map(Portable::float);
             let (free, voxels) = gaps.free::<Portable>(&splat(low), &splat(high));
-            let voxels = Portable::float_array(voxels);
+            let voxels = Portable::side_by_side([voxels; 4]).map(|voxels| voxels[0]);
             prop_assert_eq!(voxels, [voxels[0]; RAYS]);
             let inside = (0..3).all(|a| (0.0..1.0).contains(&at[a]));
             match Portable::bits(free) {

@@ -23,6 +23,7 @@ mod levels;
 mod light;
 mod normals;
 mod packet;
+mod power;
 mod rays;
 mod sample;
 mod shown;

@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gaps::Gaps;
-use super::voxels::{CastBlock, CastTarget, ONE};
+use super::voxels::{CastBlock, CastTarget, NONE, ONE};
 use crate::math::{Aabb, Interval};
 use crate::projection::VisibleValues;
 use crate::target::{CELL, CellRanges, Target};
@@ -95,7 +95,7 @@ impl Cells {
             let within = |voxel: i64| voxel.clamp(0, i64::from(block.dims[axis])) as usize;
             within(begin - 1)..within(begin + edge as i64 + 1)
         };
-        let value = |stored: u16| range.lo + f32::from(stored) / ONE * range.width();
+        let value = |stored: i16| range.lo + (f32::from(stored) - NONE) / ONE * range.width();
         let mut shown = vec![false; dims.iter().product()];
         let rows = shown.par_chunks_exact_mut(dims[0].max(1)).enumerate();
         rows.for_each_init(Ends::default, |ends, (row, shown)| {
@@ -160,15 +160,15 @@ impl Cells {
 /// The least and the greatest of what is stored of values in several rows, voxel by voxel.
 #[derive(Default)]
 struct Ends {
-    lo: Vec<u16>,
-    hi: Vec<u16>,
+    lo: Vec<i16>,
+    hi: Vec<i16>,
 }
 
 impl Ends {
     /// Those of some rows of `block`, along y and z.
     fn of_rows(&mut self, block: &CastBlock, [y, z]: [Range<usize>; 2]) {
         let [width, height, _] = block.dims.map(|n| n as usize);
-        for (ends, least) in [(&mut self.lo, u16::MAX), (&mut self.hi, 0)] {
+        for (ends, least) in [(&mut self.lo, i16::MAX), (&mut self.hi, i16::MIN)] {
             ends.clear();
             ends.resize(width, least);
         }
@@ -181,8 +181,8 @@ impl Ends {
     }
 
     /// Those of some voxels of a row; an end below the other if there are none.
-    fn of(&self, voxels: Range<usize>) -> [u16; 2] {
-        let lo = self.lo[voxels.clone()].iter().copied().fold(u16::MAX, u16::min);
-        [lo, self.hi[voxels].iter().copied().fold(0, u16::max)]
+    fn of(&self, voxels: Range<usize>) -> [i16; 2] {
+        let lo = self.lo[voxels.clone()].iter().copied().fold(i16::MAX, i16::min);
+        [lo, self.hi[voxels].iter().copied().fold(i16::MIN, i16::max)]
     }
 }

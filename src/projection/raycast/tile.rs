@@ -26,8 +26,6 @@ pub struct Scene<'a> {
     pub rays: Rays,
     pub classifier: Classifier,
     pub blending: Blending,
-    /// Columns and rows.
-    pub size: [u32; 2],
     /// Millimetres of ray a millimetre of depth, of each pixel; `None` where all are 1.
     pub paths: Option<&'a (dyn Fn([u32; 2]) -> f32 + Sync)>,
     /// The first plane of each pixel that a surface hides, if there are any.

@@ -1,6 +1,6 @@
 //! Blocks as rays sample them.
 //!
-//! *Practice.* All is stored in the 16 bits that slices on a device store: values are fractions of the target's value range times
+//! *Practice.* All is stored in the 16 bits that slices on a device store, with signs: values are fractions of the target's value range times
 //! coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
 //! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
 
@@ -15,7 +15,10 @@ use crate::array::Array;
 use crate::projection::{FrameSpec, SoftNormals, TransferFunction, TransferTable, VisibleValues};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
 
-/// What is stored for 1.
+/// What is stored for 0.
+pub(super) const NONE: f32 = -32768.0;
+
+/// How much more is stored for 1.
 pub(super) const ONE: f32 = 65535.0;
 
 /// What is stored for a part of a normal of 1.
@@ -58,12 +61,12 @@ pub(super) struct CastBlock {
     pub strides: [i32; 3],
     /// How many are stored along each axis; 1 in a block of one value.
     pub dims: [i32; 3],
-    /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`].
-    pub weighted: Array<u16>,
-    /// Coverage in parts of [`ONE`]; empty where it is 1 throughout.
-    pub coverage: Array<u16>,
-    /// Red, green and blue times opacity and coverage, in parts of [`ONE`], in a target of colours, else empty.
-    pub rgb: Array<[u16; 4]>,
+    /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`] from [`NONE`] on.
+    pub weighted: Array<i16>,
+    /// Likewise coverage; empty where it is 1 throughout.
+    pub coverage: Array<i16>,
+    /// Likewise red, green and blue times opacity and coverage in a target of colours, else empty.
+    pub rgb: Array<[i16; 4]>,
     /// Soft normals in the world, in parts of [`ONE_NORMAL`]; empty if the target is not lit.
     pub normals: Array<[i16; 4]>,
 }
@@ -110,8 +113,8 @@ impl CastTarget {
 
 /// A fraction of 1 as it is stored. Rust's float casts saturate.
 #[inline(always)]
-fn stored(fraction: f32) -> u16 {
-    (fraction * ONE + 0.5) as u16
+fn stored(fraction: f32) -> i16 {
+    (fraction * ONE + 0.5) as u16 as i16 ^ i16::MIN
 }
 
 /// The scales of value times coverage and of coverage that sum up to the fraction of the value range times coverage.

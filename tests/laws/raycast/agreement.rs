@@ -67,6 +67,25 @@ fn scenes_from_near_agree_with_the_reference() {
     }
 }
 
+/// Frames of which threads share parts, some at their ends.
+#[test]
+fn wide_frames_agree_with_the_reference() {
+    let mut shown_at_the_right = 0;
+    for seed in 0..12 {
+        let scene = Recipe::random(seed).scene();
+        let camera = &vcsg::projection::Camera {
+            size: [150, 37],
+            ..nearer(&scene.spec(), 3.0)
+        };
+        let spec = FrameSpec { camera, ..scene.spec() };
+        deviations(&spec);
+        let frame = RayCaster.project(&spec).expect("a frame");
+        let rows = frame.pixels().chunks_exact(150);
+        shown_at_the_right += rows.flat_map(|row| &row[128..]).filter(|pixel| pixel[3] > 0.0).count();
+    }
+    assert!(shown_at_the_right > 100, "{shown_at_the_right} pixels");
+}
+
 /// Scenes of all that a model can hold, of values all the same, from eyes within: bounds are numbers, and hold both.
 #[test]
 fn any_model_agrees_with_the_reference() {

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
-use super::{EDGE, Kernel, Near, Pairs, RAYS, Simd, each};
+use super::{Apart, EDGE, Kernel, Near, ONE_WEIGHT, Pairs, RAYS, Simd, Within, each};
 
 /// For processors with AVX-512 F, BW, DQ and VL. Nothing of it may be called but by [`Avx512::run`].
 pub struct Avx512;
@@ -127,7 +127,6 @@ impl Simd for Avx512 {
     operations! {
         fn float(x: f32) -> Float { Float(_mm512_set1_ps(x)) }
         fn floats(x: [f32; RAYS]) -> Float { Float(std::mem::transmute::<[f32; RAYS], __m512>(x)) }
-        fn float_array(x: Float) -> [f32; RAYS] { std::mem::transmute::<__m512, [f32; RAYS]>(x.0) }
         fn double(x: f64) -> Double { Double(_mm512_set1_pd(x), _mm512_set1_pd(x)) }
         fn doubles(x: [f64; RAYS]) -> Double {
             {
@@ -185,19 +184,17 @@ impl Simd for Avx512 {
         fn shift_right(a: Int, by: Int) -> Int { Int(_mm512_srlv_epi32(a.0, by.0)) }
         fn choose_int(mask: u16, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
         fn least(x: Int) -> i32 { _mm512_reduce_min_epi32(x.0) }
+        fn to_bits(x: Float) -> Int { Int(_mm512_castps_si512(x.0)) }
+        fn from_bits(bits: Int) -> Float { Float(_mm512_castsi512_ps(bits.0)) }
         fn to_float(x: Int) -> Float { Float(_mm512_cvtepi32_ps(x.0)) }
-        fn unsigned_halves(x: Int) -> [Float; 2] {
-            [
-                Float(_mm512_cvtepi32_ps(_mm512_and_epi32(x.0, _mm512_set1_epi32(0xffff)))),
-                Float(_mm512_cvtepi32_ps(_mm512_srli_epi32::<16>(x.0))),
-            ]
+        fn weights(part: Float) -> Int {
+            {
+                let second = _mm512_cvtps_epi32(_mm512_mul_ps(part.0, _mm512_set1_ps(-ONE_WEIGHT)));
+                let first = _mm512_xor_si512(second, _mm512_set1_epi32(0x8000));
+                Int(_mm512_sub_epi32(first, _mm512_slli_epi32::<16>(second)))
+            }
         }
-        fn signed_halves(x: Int) -> [Float; 2] {
-            [
-                Float(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(x.0)))),
-                Float(_mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(x.0))),
-            ]
-        }
+        fn weighed(pairs: Int, weights: Int) -> Float { Float(_mm512_cvtepi32_ps(_mm512_madd_epi16(pairs.0, weights.0))) }
     }
 
     /// Two numbers at a time, of which the place is the first, or the second of the last two.
@@ -223,15 +220,17 @@ impl Simd for Avx512 {
     /// Four entries a register, one in each quarter, and then four by four transposed.
     #[inline(always)]
     fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Int) -> [Float; 4] {
-        let places = Self::int_array(places);
-        let at = |n: usize| table[places[n] as usize].as_ptr();
-        // SAFETY: each entry is four numbers that the table holds; the processor has AVX-512.
+        assert!((1..1 << 16).contains(&LEN), "{LEN} entries");
+        // SAFETY: no place is behind the last entry, which are four numbers each; the processor has AVX-512.
         unsafe {
+            let places = _mm512_min_epu32(places.0, _mm512_set1_epi32(LEN as i32 - 1));
+            let places = Self::int_array(Int(places));
+            let at = |n: usize| _mm_loadu_ps(table.as_ptr().cast::<f32>().add(4 * places[n] as usize));
             let [a, b, c, d] = each!(n of [0, 1, 2, 3] => {
-                let a = _mm512_castps128_ps512(_mm_loadu_ps(at(n)));
-                let b = _mm512_insertf32x4::<1>(a, _mm_loadu_ps(at(n + 4)));
-                let c = _mm512_insertf32x4::<2>(b, _mm_loadu_ps(at(n + 8)));
-                _mm512_insertf32x4::<3>(c, _mm_loadu_ps(at(n + 12)))
+                let a = _mm512_castps128_ps512(at(n));
+                let b = _mm512_insertf32x4::<1>(a, at(n + 4));
+                let c = _mm512_insertf32x4::<2>(b, at(n + 8));
+                _mm512_insertf32x4::<3>(c, at(n + 12))
             });
             let [a, b, c, d] = transposed([a, b, c, d]);
             [Float(a), Float(b), Float(c), Float(d)]
@@ -283,7 +282,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn near_pairs(near: &Near<Self>, numbers: &[u16]) -> Pairs<Self> {
+    fn near_pairs(near: &Near<Self>, numbers: &[i16]) -> Pairs<Self> {
         let rows = rows(near, numbers);
         // SAFETY: each row is four numbers, eight bytes; the processor has AVX-512.
         unsafe {
@@ -305,7 +304,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn near_vectors(near: &Near<Self>, vectors: &[[u16; 4]]) -> [Pairs<Self>; 3] {
+    fn near_vectors(near: &Near<Self>, vectors: &[[i16; 4]]) -> [Pairs<Self>; 3] {
         let rows = rows(near, vectors);
         // SAFETY: each row is four vectors, 32 bytes, and the words of `parts` are 64 bytes; the processor has AVX-512.
         unsafe {
@@ -327,6 +326,94 @@ impl Simd for Avx512 {
             let z = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0x44>(planes[z][1], planes[z + 1][1]));
             each!(part of [x, y, z] => permute(near, part[0], part[1]))
         }
+    }
+    #[inline(always)]
+    fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self> {
+        let (voxels, edges) = in_reach(apart, numbers);
+        each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
+            // SAFETY: two numbers, 32 bits, are there from each place on; the processor has AVX-512.
+            unsafe {
+                let pair = |n: usize| edge.add(voxels[n] as usize).cast::<i32>().read_unaligned();
+                Int(_mm512_set_epi32(
+                    pair(15),
+                    pair(14),
+                    pair(13),
+                    pair(12),
+                    pair(11),
+                    pair(10),
+                    pair(9),
+                    pair(8),
+                    pair(7),
+                    pair(6),
+                    pair(5),
+                    pair(4),
+                    pair(3),
+                    pair(2),
+                    pair(1),
+                    pair(0),
+                ))
+            }
+        })
+    }
+
+    /// Four at a time, each in a quarter of registers.
+    #[inline(always)]
+    fn apart_vectors(apart: &Apart<Self>, within: &Within<Self>, vectors: &[[i16; 4]], shown: u16) -> [Float; 3] {
+        let shown = Apart {
+            voxels: Self::choose_int(shown, apart.voxels, Self::int(0)),
+            strides: apart.strides,
+        };
+        let (voxels, edges) = in_reach(&shown, vectors);
+        let sampled = each!(first of [0, 1, 2, 3] => {
+            // SAFETY: two vectors, 128 bits, are there from each place on, the words of `PAIRED` are 16 bytes; the processor has AVX-512.
+            unsafe {
+                let quarters = _mm512_add_epi32(
+                    _mm512_loadu_si512(QUARTERS.as_ptr().cast()),
+                    _mm512_set1_epi32(first as i32),
+                );
+                let of_each = |of: __m512| Float(_mm512_permutexvar_ps(quarters, of));
+                let paired = _mm512_broadcast_i32x4(_mm_loadu_si128(PAIRED.as_ptr().cast()));
+                let here = Within::<Self> {
+                    weights: Int(_mm512_permutexvar_epi32(quarters, within.weights.0)),
+                    parts: each!(axis of [0, 1] => of_each(within.parts[axis].0)),
+                };
+                let weighed = each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
+                    let two = |n: usize| _mm_loadu_si128(edge.add(voxels[n] as usize).cast());
+                    let a = _mm512_castsi128_si512(two(first));
+                    let b = _mm512_inserti32x4::<1>(a, two(first + 4));
+                    let c = _mm512_inserti32x4::<2>(b, two(first + 8));
+                    let pairs = _mm512_shuffle_epi8(_mm512_inserti32x4::<3>(c, two(first + 12)), paired);
+                    Self::weighed(Int(pairs), here.weights)
+                });
+                here.between(weighed).0
+            }
+        });
+        // SAFETY: the processor has AVX-512.
+        let [x, y, z, _] = unsafe { transposed(sampled) };
+        [Float(x), Float(y), Float(z)]
+    }
+}
+
+/// The bytes of two vectors, part by part.
+static PAIRED: [[u8; 4]; 4] = [[0, 1, 8, 9], [2, 3, 10, 11], [4, 5, 12, 13], [6, 7, 14, 15]];
+
+/// In each quarter the first of four lanes that are each a quarter's.
+static QUARTERS: [i32; RAYS] = [0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12];
+
+/// Cells' voxels, and what is stored from the first voxel on each of a cell's four edges along x: from each voxel on each edge on there are
+/// two.
+#[inline(always)]
+fn in_reach<T>(apart: &Apart<Avx512>, stored: &[T]) -> ([u32; RAYS], [*const T; 4]) {
+    let [row, plane] = apart.strides;
+    let last = stored.len().checked_sub(row + plane + 2).expect("a cell is stored");
+    let last = last.min(i32::MAX as usize) as i32;
+    // SAFETY: the processor has AVX-512, and a register is sixteen integers; each edge begins before the last cell.
+    unsafe {
+        let voxels = _mm512_min_epu32(apart.voxels.0, _mm512_set1_epi32(last));
+        (
+            std::mem::transmute::<__m512i, [u32; RAYS]>(voxels),
+            each!(by of [0, row, plane, row + plane] => stored.as_ptr().add(by)),
+        )
     }
 }
 

@@ -19,6 +19,9 @@ pub const EDGE: usize = 4;
 /// Rays of a packet, row by row, and samples of a bundle.
 pub const RAYS: usize = EDGE * EDGE;
 
+/// The weight that is stored for 1. All weights are negative: 16 bits hold no positive number as large.
+pub const ONE_WEIGHT: f32 = -32768.0;
+
 /// Two stored numbers side by side on each of the four edges along x of each sample's cell, the first in the low half.
 pub type Pairs<S> = [<S as Simd>::Int; 4];
 
@@ -31,6 +34,40 @@ pub struct Near<S: Simd> {
     pub strides: [usize; 2],
     /// Each cell's low corner, x fastest, in both halves, one more in the high one.
     pub cell: S::Int,
+}
+
+/// Cells of a bundle that are anywhere.
+#[derive(Clone, Copy)]
+pub struct Apart<S: Simd> {
+    /// The stored voxel at each cell's low corner.
+    pub voxels: S::Int,
+    /// How far rows and planes of stored voxels are apart.
+    pub strides: [usize; 2],
+}
+
+/// How far samples are in their cells.
+#[derive(Clone, Copy)]
+pub struct Within<S: Simd> {
+    /// What the low and the high side weigh along x.
+    pub weights: S::Int,
+    /// Parts of the way along y and z.
+    pub parts: [S::Float; 2],
+}
+
+impl<S: Simd> Within<S> {
+    /// What is sampled of the weighed pairs on the four edges of cells along x.
+    #[inline(always)]
+    pub fn between(&self, [a, b, c, d]: [S::Float; 4]) -> S::Float {
+        let [ty, tz] = self.parts;
+        let (near, far) = (between::<S>(a, b, ty), between::<S>(c, d, ty));
+        between::<S>(near, far, tz) * S::float(1.0 / ONE_WEIGHT)
+    }
+}
+
+/// What is `t` of the way from `a` to `b`.
+#[inline(always)]
+fn between<S: Simd>(a: S::Float, b: S::Float, t: S::Float) -> S::Float {
+    a + t * (b - a)
 }
 
 /// A way of doing sixteen operations at once.
@@ -51,7 +88,6 @@ pub trait Simd: Sized + 'static {
 
     fn float(x: f32) -> Self::Float;
     fn floats(x: [f32; RAYS]) -> Self::Float;
-    fn float_array(x: Self::Float) -> [f32; RAYS];
     fn double(x: f64) -> Self::Double;
     fn doubles(x: [f64; RAYS]) -> Self::Double;
     fn int(x: i32) -> Self::Int;
@@ -87,10 +123,14 @@ pub trait Simd: Sized + 'static {
     fn least(x: Self::Int) -> i32;
     /// The numbers that they are.
     fn to_float(x: Self::Int) -> Self::Float;
-    /// The low half of each as a number without sign, and the high half.
-    fn unsigned_halves(x: Self::Int) -> [Self::Float; 2];
-    /// Likewise with signs.
-    fn signed_halves(x: Self::Int) -> [Self::Float; 2];
+    /// The bits of each number, and the number of such bits.
+    fn to_bits(x: Self::Float) -> Self::Int;
+    fn from_bits(bits: Self::Int) -> Self::Float;
+    /// What two numbers weigh of which the second is so far on, from 0 to 1, that is to be sampled: in parts of [`ONE_WEIGHT`], the first
+    /// one's in the low half.
+    fn weights(part: Self::Float) -> Self::Int;
+    /// The sum of a pair's numbers times their weights.
+    fn weighed(pairs: Self::Int, weights: Self::Int) -> Self::Float;
 
     /// What a list has at each place; at others than its own, anything of it. It is not empty.
     fn look_up(list: &[u16], places: Self::Int) -> Self::Int;
@@ -105,9 +145,18 @@ pub trait Simd: Sized + 'static {
     /// stored voxels with such `dims`, and numbers can be taken from registers.
     fn near(cell: &[Self::Int; 3], inside: Self::Mask, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>>;
     /// The numbers round samples.
-    fn near_pairs(near: &Near<Self>, numbers: &[u16]) -> Pairs<Self>;
-    /// The first three parts of the vectors round samples, by their bits.
-    fn near_vectors(near: &Near<Self>, vectors: &[[u16; 4]]) -> [Pairs<Self>; 3];
+    fn near_pairs(near: &Near<Self>, numbers: &[i16]) -> Pairs<Self>;
+    /// The first three parts of the vectors round samples.
+    fn near_vectors(near: &Near<Self>, vectors: &[[i16; 4]]) -> [Pairs<Self>; 3];
+    /// The numbers round samples; of cells beyond what is stored, any.
+    fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self>;
+    /// The trilinear samples of the first three parts of vectors, those that are `shown`; of others, any.
+    fn apart_vectors(
+        apart: &Apart<Self>,
+        within: &Within<Self>,
+        vectors: &[[i16; 4]],
+        shown: Self::Mask,
+    ) -> [Self::Float; 3];
 }
 
 /// What can be done in any way. All of it is to be compiled in place: `#[inline(always)]`, and no closures around operations.

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
-use super::{Near, Pairs, RAYS, Simd};
+use super::{Apart, Near, ONE_WEIGHT, Pairs, RAYS, Simd, Within};
 
 /// For any processor.
 pub struct Portable;
@@ -145,11 +145,6 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn float_array(x: Self::Float) -> [f32; RAYS] {
-        x.0
-    }
-
-    #[inline(always)]
     fn double(x: f64) -> Self::Double {
         Sixteen([x; RAYS])
     }
@@ -283,16 +278,27 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn unsigned_halves(x: Self::Int) -> [Self::Float; 2] {
-        [
-            x.map(|x| (x & 0xffff) as f32),
-            x.map(|x| (x as u32 >> 16) as i32 as f32),
-        ]
+    fn to_bits(x: Self::Float) -> Self::Int {
+        x.map(|x| x.to_bits() as i32)
     }
 
     #[inline(always)]
-    fn signed_halves(x: Self::Int) -> [Self::Float; 2] {
-        [x.map(|x| (x << 16 >> 16) as f32), x.map(|x| (x >> 16) as f32)]
+    fn from_bits(bits: Self::Int) -> Self::Float {
+        bits.map(|bits| f32::from_bits(bits as u32))
+    }
+
+    #[inline(always)]
+    fn weights(part: Self::Float) -> Self::Int {
+        let second = Self::whole(part * Self::float(-ONE_WEIGHT));
+        second.map(|second| (second ^ 0x8000).wrapping_sub(second << 16))
+    }
+
+    #[inline(always)]
+    fn weighed(pairs: Self::Int, weights: Self::Int) -> Self::Float {
+        pairs.with(weights, |pair, weight| {
+            let (first, second) = (pair << 16 >> 16, pair >> 16);
+            (first * (weight << 16 >> 16) + second * (weight >> 16)) as f32
+        })
     }
 
     #[inline(always)]
@@ -323,12 +329,88 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn near_pairs(_: &Near<Self>, _: &[u16]) -> Pairs<Self> {
+    fn near_pairs(_: &Near<Self>, _: &[i16]) -> Pairs<Self> {
         [Self::int(0); 4]
     }
 
     #[inline(always)]
-    fn near_vectors(_: &Near<Self>, _: &[[u16; 4]]) -> [Pairs<Self>; 3] {
+    fn near_vectors(_: &Near<Self>, _: &[[i16; 4]]) -> [Pairs<Self>; 3] {
         [[Self::int(0); 4]; 3]
     }
+    #[inline(always)]
+    fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self> {
+        let mut pairs = [[0i32; RAYS]; 4];
+        let edges = edges(apart.strides, numbers);
+        let cells = edges[0].len();
+        for n in 0..RAYS {
+            let at = apart.voxels.0[n] as usize;
+            // Every place is in the block. But for this way out of the loop compilers may fetch by vectors, which is slower.
+            if at + 1 >= cells {
+                break;
+            }
+            for (pair, edge) in pairs.iter_mut().zip(edges) {
+                pair[n] = i32::from(edge[..cells][at] as u16) | i32::from(edge[..cells][at + 1]) << 16;
+            }
+        }
+        pairs.map(Sixteen)
+    }
+
+    /// One after another.
+    #[inline(always)]
+    fn apart_vectors(
+        apart: &Apart<Self>,
+        within: &Within<Self>,
+        vectors: &[[i16; 4]],
+        shown: Mask,
+    ) -> [Self::Float; 3] {
+        let edges = edges(apart.strides, vectors);
+        let mut all = [[0.0; 4]; RAYS];
+        let mut left = Self::bits(shown);
+        while left != 0 {
+            let n = left.trailing_zeros() as usize % RAYS;
+            let parts = within.parts.map(|part| part.0[n]);
+            all[n] = vector(&edges, apart.voxels.0[n] as usize, within.weights.0[n], parts);
+            left &= left - 1;
+        }
+        [0, 1, 2].map(|part| Sixteen(all.map(|vector| vector[part])))
+    }
+}
+
+/// The trilinear sample of vectors on the [`edges`] of cells, in that whose low corner is voxel `at`, by the operations of
+/// [`Within::between`].
+#[inline(always)]
+fn vector(edges: &[&[[i16; 4]]; 4], at: usize, weights: i32, [ty, tz]: [f32; 2]) -> [f32; 4] {
+    let (first, second) = (weights << 16 >> 16, weights >> 16);
+    let weights = [first, first, first, first, second, second, second, second];
+    let edge = |edge: usize| -> [f32; 4] {
+        // Two voxels side by side.
+        let pair: Option<&[[i16; 4]; 2]> = edges[edge].get(at..).and_then(|rest| rest.first_chunk());
+        let pair: [i16; 8] = bytemuck::cast(pair.copied().unwrap_or_default());
+        let mut weighed = [0; 8];
+        for c in 0..8 {
+            weighed[c] = i32::from(pair[c]) * weights[c];
+        }
+        let mut edge = [0.0; 4];
+        for c in 0..4 {
+            edge[c] = (weighed[c] + weighed[c + 4]) as f32;
+        }
+        edge
+    };
+    let between = |a: [f32; 4], b: [f32; 4], t: f32| {
+        let mut mixed = [0.0; 4];
+        for c in 0..4 {
+            mixed[c] = a[c] + t * (b[c] - a[c]);
+        }
+        mixed
+    };
+    let near = between(edge(0), edge(1), ty);
+    let far = between(edge(2), edge(3), ty);
+    between(near, far, tz).map(|part| part * (1.0 / ONE_WEIGHT))
+}
+
+/// What is stored, from the first voxel on each of the four edges of a cell along x: an index in one is in all of them.
+#[inline(always)]
+fn edges<T>([row, plane]: [usize; 2], stored: &[T]) -> [&[T]; 4] {
+    let cells = stored.len().saturating_sub(row + plane);
+    [0, row, plane, row + plane].map(|by| stored.get(by..by + cells).unwrap_or_default())
 }
