@@ -2,7 +2,7 @@
 
 use vcsg::conformance::FrameBounds;
 use vcsg::image::Frame;
-use vcsg::projection::{FrameSpec, Projector, Reference, raycast::RayCaster};
+use vcsg::projection::{Camera, FrameSpec, Projector, Reference, raycast::RayCaster};
 
 use super::drawing::drawing;
 use super::picture::{nearer, picture};
@@ -73,7 +73,7 @@ fn wide_frames_agree_with_the_reference() {
     let mut shown_at_the_right = 0;
     for seed in 0..12 {
         let scene = Recipe::random(seed).scene();
-        let camera = &vcsg::projection::Camera {
+        let camera = &Camera {
             size: [150, 37],
             ..nearer(&scene.spec(), 3.0)
         };

@@ -19,7 +19,7 @@ pub fn drawing(spec: &FrameSpec) -> Drawing {
         storage: Storage::without_pages(spec.target.value_range),
         precision: Precision {
             vertex_px: 0.0,
-            // Along an axis weights are whole numbers of 2^15.
+            // Along one axis weights are rounded to whole numbers of 2^-15.
             weight: place_rounding(spec) + 0.5 / 32768.0,
             // The path is rounded once.
             interpolated: ULP,

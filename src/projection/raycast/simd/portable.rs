@@ -337,6 +337,7 @@ impl Simd for Portable {
     fn near_vectors(_: &Near<Self>, _: &[[i16; 4]]) -> [Pairs<Self>; 3] {
         [[Self::int(0); 4]; 3]
     }
+
     #[inline(always)]
     fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self> {
         let mut pairs = [[0i32; RAYS]; 4];
