@@ -4,12 +4,13 @@ use rayon::prelude::*;
 
 use super::boxes;
 use super::classify::Classifier;
-use super::hops::MARGIN;
+use super::gaps::{MARGIN, hops};
 use super::light::Cue;
 use super::rays::{Depths, Rays};
 use super::shown::edge_for;
-use super::tile::{self, Cast, Scene, TILE};
-use super::voxels::CastTarget;
+use super::template::FEW;
+use super::tile::{self, Cast, Scene, tile};
+use super::voxels::{CastBlock, CastTarget};
 use crate::image::Frame;
 use crate::projection::{FrameSpec, Lens, ProjectError, Projector, composite};
 
@@ -34,7 +35,7 @@ pub struct PortableRayCaster;
 impl Projector for PortableRayCaster {
     fn project(&mut self, spec: &FrameSpec) -> Result<Frame, ProjectError> {
         check(spec)?;
-        let frame = accumulate_by(tile::by_arrays, spec, &CastTarget::of(spec), &Depths::of(spec), None)?;
+        let frame = accumulate_by(&BY_ARRAYS, spec, &CastTarget::of(spec), &Depths::of(spec), None)?;
         Ok(resolved(spec, frame))
     }
 }
@@ -83,11 +84,17 @@ pub fn accumulate(
     depths: &Depths,
     surfaces_mm: Option<&[f32]>,
 ) -> Result<Frame, ProjectError> {
-    accumulate_by(tile::by_widest, spec, target, depths, surfaces_mm)
+    accumulate_by(&BY_WIDEST, spec, target, depths, surfaces_mm)
 }
 
+/// Ways to cast a tile: in packets of one vector, and of four.
+type Casts = [Cast; 2];
+
+const BY_WIDEST: Casts = [tile::by_widest::<1>, tile::by_widest::<4>];
+const BY_ARRAYS: Casts = [tile::by_arrays::<1>, tile::by_arrays::<4>];
+
 fn accumulate_by(
-    cast: Cast,
+    [by_one, by_four]: &Casts,
     spec: &FrameSpec,
     target: &CastTarget,
     depths: &Depths,
@@ -107,14 +114,22 @@ fn accumulate_by(
     });
     let path = |[x, y]: [u32; 2]| spec.camera.path_per_depth(x, y) as f32;
     let parallel = matches!(spec.camera.lens, Lens::Orthographic { .. });
-    let shown = target.shown(
-        spec,
-        edge_for(rays.packet_extent().max_element() + f64::from(4.0 * MARGIN)),
-    );
+    // Packets are as large as they may be for their voxels to be few.
+    let all_have_few = target.blocks.iter().all(CastBlock::has_few);
+    let (cast, tile, extent) = match rays.packet_extent::<4>() {
+        extent if all_have_few && extent <= FEW => (by_four, tile(4), extent),
+        _ => (by_one, tile(1), rays.packet_extent::<1>()),
+    };
+    let cell = edge_for(extent + 4.0 * MARGIN);
+    let shown = target.shown(spec, cell);
     let scene = Scene {
         target,
         boxes: &boxes::front_to_back(spec, &shown.blocks),
         classifier: Classifier::new(spec, &shown.table, Cue::new(&spec.settings.depth_cue, depths, &rays)),
+        hops: hops(
+            cell,
+            rays.planes_per_voxel([width, height].map(|n| n.next_multiple_of(tile as u32))),
+        ),
         rays,
         blending: spec.settings.mode.blending(),
         paths: (!parallel).then_some(&path),
@@ -122,36 +137,36 @@ fn accumulate_by(
     };
     let mut frame = Frame::transparent(width, height);
     // A few tiles are soon done, so that no thread waits long for another's last.
-    let parts = parts(&mut frame).into_par_iter().with_max_len(1);
-    parts.for_each(|part| part.cast(cast, &scene));
+    let parts = parts(&mut frame, tile).into_par_iter().with_max_len(1);
+    parts.for_each(|part| part.cast(tile, *cast, &scene));
     Ok(frame)
 }
 
 /// Columns of pixels that are cast together: some tiles side by side.
-const PART: usize = 4 * TILE;
+const PART: usize = 64;
 
 /// The pixels of a few tiles.
 struct Part<'a> {
     /// The first of them.
     first: [u32; 2],
-    /// All, row by row.
-    rows: [&'a mut [[f32; 4]]; TILE],
+    /// All, row by row: as many as a tile has.
+    rows: Vec<&'a mut [[f32; 4]]>,
 }
 
-/// A frame in parts.
-fn parts(frame: &mut Frame) -> Vec<Part<'_>> {
+/// A frame in parts, as high as tiles of `tile` pixels are.
+fn parts(frame: &mut Frame, tile: usize) -> Vec<Part<'_>> {
     let width = frame.width() as usize;
     let columns = width.div_ceil(PART);
     let mut parts = Vec::new();
-    for (band, pixels) in frame.pixels_mut().chunks_mut(TILE * width).enumerate() {
+    for (band, pixels) in frame.pixels_mut().chunks_mut(tile * width).enumerate() {
         let first = parts.len();
         parts.extend((0..columns).map(|column| Part {
-            first: [column * PART, band * TILE].map(|n| n as u32),
-            rows: Default::default(),
+            first: [column * PART, band * tile].map(|n| n as u32),
+            rows: Vec::with_capacity(tile),
         }));
-        for (n, row) in pixels.chunks_mut(width).enumerate() {
+        for row in pixels.chunks_mut(width) {
             for (part, pixels) in parts[first..].iter_mut().zip(row.chunks_mut(PART)) {
-                part.rows[n] = pixels;
+                part.rows.push(pixels);
             }
         }
     }
@@ -159,9 +174,9 @@ fn parts(frame: &mut Frame) -> Vec<Part<'_>> {
 }
 
 impl Part<'_> {
-    fn cast(mut self, cast: Cast, scene: &Scene) {
+    fn cast(mut self, tile: usize, cast: Cast, scene: &Scene) {
         let [left, top] = self.first;
-        for column in (0..self.rows[0].len()).step_by(TILE) {
+        for column in (0..self.rows[0].len()).step_by(tile) {
             cast(scene, [left + column as u32, top], &mut |[x, y], pixels| {
                 let row = self.rows.get_mut((y - top) as usize);
                 if let Some(rest) = row.and_then(|row| row.get_mut((x - left) as usize..)) {

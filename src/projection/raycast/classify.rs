@@ -3,9 +3,9 @@
 use super::blend::Colours;
 use super::light::{Cue, Lights};
 use super::power::lengthen;
-use super::sample::Places;
+use super::sample::{BlockVectors, Bundle, Vectors};
 use super::simd::{Simd, each, larger, smaller};
-use super::voxels::{CastBlock, NONE, ONE};
+use super::voxels::{NONE, ONE};
 use crate::projection::{FrameSpec, Mode, TransferTable};
 
 /// The entry behind a table's last one: nothing shows.
@@ -26,17 +26,16 @@ pub struct Classifier {
     cue: Cue,
 }
 
-/// The samples of a packet at a plane, those of one block.
-pub struct Bundle<'a, S: Simd> {
-    pub block: &'a CastBlock,
-    pub places: Places<S>,
-    /// Which samples are in the box.
-    pub inside: S::Mask,
-    /// Which of them nothing is seen of.
-    pub hidden: S::Mask,
-    pub plane: i32,
-    /// Millimetres of each ray a millimetre of depth; `None` where all are 1.
-    pub paths: Option<S::Float>,
+/// What a bundle's samples are classified by.
+pub struct Samples<S: Simd, const N: usize> {
+    /// Values, or opacities, times coverage, in parts of [`ONE`].
+    weighted: [S::Float; N],
+    /// Likewise coverage; `None` where it is 1.
+    coverage: Option<[S::Float; N]>,
+    /// The table's entry for each, of values that are classified.
+    entries: [S::Int; N],
+    /// Which of them may show.
+    shown: [S::Mask; N],
 }
 
 impl Classifier {
@@ -56,21 +55,64 @@ impl Classifier {
         }
     }
 
-    /// What is blended of samples; `None` where none of them shows.
+    /// The samples of a bundle; `None` if none of them shows.
     #[inline(always)]
-    pub fn sources<S: Simd>(&self, bundle: &Bundle<S>) -> Option<Colours<S>> {
-        let weighted = bundle.numbers(&bundle.block.weighted);
+    pub fn samples<S: Simd, const N: usize>(&self, bundle: &Bundle<S, N>) -> Option<Samples<S, N>> {
+        let mut samples = Samples {
+            weighted: stored_numbers(bundle, &bundle.block.weighted),
+            coverage: None,
+            entries: [S::int(0); N],
+            shown: bundle.inside,
+        };
+        let is_partial = !bundle.block.coverage.is_empty();
+        if is_partial && (self.slab_units.is_none() || !self.mode.classifies()) {
+            samples.coverage = Some(stored_numbers(bundle, &bundle.block.coverage));
+        }
         if !self.mode.classifies() {
-            return Some(self.values(bundle, weighted));
+            return Some(samples);
+        }
+        let mut any = 0;
+        for n in 0..N {
+            let may_show = if self.slab_units.is_some() {
+                S::greater(samples.weighted[n], S::float(0.0))
+            } else {
+                let coverage = match &samples.coverage {
+                    Some(coverage) => Some(coverage[n]),
+                    None => None,
+                };
+                let entries = self.entries::<S>(samples.weighted[n], coverage);
+                samples.entries[n] = entries;
+                !(S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1])))
+            };
+            samples.shown[n] = bundle.inside[n] & may_show;
+            any |= S::bits(samples.shown[n]);
+        }
+        (any != 0).then_some(samples)
+    }
+
+    /// What is blended of vector `n` of samples; `None` where none of them shows.
+    #[inline(always)]
+    pub fn sources<S: Simd, const N: usize>(
+        &self,
+        bundle: &Bundle<S, N>,
+        n: usize,
+        samples: &Samples<S, N>,
+        vectors: &mut BlockVectors<S>,
+    ) -> Option<Colours<S>> {
+        if !self.mode.classifies() {
+            return Some(self.values(bundle, n, samples));
+        }
+        if S::bits(samples.shown[n]) == 0 {
+            return None;
         }
         let colours = match self.slab_units {
-            Some(units) => self.colours(bundle, weighted, units),
-            None => self.classified(bundle, weighted),
-        }?;
+            Some(units) => self.colours(bundle, n, samples, &mut vectors.rgb, units),
+            None => self.classified(bundle, n, samples)?,
+        };
         Some(match self.mode {
             Mode::XRay => [colours[3]; 4],
             _ if self.is_plain() => colours,
-            _ => self.lit(bundle, colours),
+            _ => self.lit(bundle, n, colours, &mut vectors.normals),
         })
     }
 
@@ -82,39 +124,44 @@ impl Classifier {
 
     /// What value modes accumulate: see [`value_source`](crate::projection::composite::value_source).
     #[inline(always)]
-    fn values<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float) -> Colours<S> {
+    fn values<S: Simd, const N: usize>(&self, bundle: &Bundle<S, N>, n: usize, samples: &Samples<S, N>) -> Colours<S> {
         let one = S::float(1.0);
-        let weighted = S::divide(weighted, S::float(ONE));
-        let coverage = match bundle.coverage() {
-            Some(coverage) => S::divide(coverage, S::float(ONE)),
+        let weighted = S::divide(samples.weighted[n], S::float(ONE));
+        let coverage = match &samples.coverage {
+            Some(coverage) => S::divide(coverage[n], S::float(ONE)),
             None => one,
         };
-        let path = bundle.paths.unwrap_or(one);
+        let path = match bundle.paths {
+            Some(paths) => paths[n],
+            None => one,
+        };
         let (value, weight) = match self.mode {
             Mode::MinIp => (coverage - weighted, coverage),
             Mode::Average => (weighted * path, coverage * path),
             _ => (weighted, coverage),
         };
-        let [value, weight] = each!(of of [value, weight] => S::choose(bundle.inside, of, S::float(0.0)));
+        let [value, weight] = each!(of of [value, weight] => S::choose(bundle.inside[n], of, S::float(0.0)));
         [value, value, value, weight]
     }
 
     /// Table entries for the path, times coverage.
     #[inline(always)]
-    fn classified<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float) -> Option<Colours<S>> {
-        let coverage = bundle.coverage();
-        let entries = self.entries::<S>(weighted, coverage);
-        let beyond = S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1]));
-        let seen = bundle.inside & !bundle.hidden & !beyond;
-        if S::bits(seen) == 0 {
-            return None;
-        }
-        let mut sources = S::entries(&self.table, S::choose_int(seen, entries, S::int(NOTHING as i32)));
+    fn classified<S: Simd, const N: usize>(
+        &self,
+        bundle: &Bundle<S, N>,
+        n: usize,
+        samples: &Samples<S, N>,
+    ) -> Option<Colours<S>> {
+        let nothing = S::int(NOTHING as i32);
+        let mut sources = S::entries(
+            &self.table,
+            S::choose_int(samples.shown[n], samples.entries[n], nothing),
+        );
         if let Some(paths) = bundle.paths {
-            sources = lengthen::<S>(&sources, paths);
+            sources = lengthen::<S>(&sources, paths[n]);
         }
-        if let Some(coverage) = coverage {
-            let coverage = S::divide(coverage, S::float(ONE));
+        if let Some(coverage) = &samples.coverage {
+            let coverage = S::divide(coverage[n], S::float(ONE));
             sources = each!(c of [0, 1, 2, 3] => sources[c] * coverage);
         }
         (S::bits(S::greater(sources[3], S::float(0.0))) != 0).then_some(sources)
@@ -136,32 +183,41 @@ impl Classifier {
 
     /// Colours that are classified already, for a path of so many unit lengths a millimetre of depth.
     #[inline(always)]
-    fn colours<S: Simd>(&self, bundle: &Bundle<S>, weighted: S::Float, units: f32) -> Option<Colours<S>> {
-        let shown = bundle.inside & !bundle.hidden & S::greater(weighted, S::float(0.0));
-        if S::bits(shown) == 0 {
-            return None;
-        }
-        let opacity = S::choose(shown, weighted, S::float(0.0));
+    fn colours<S: Simd, const N: usize>(
+        &self,
+        bundle: &Bundle<S, N>,
+        n: usize,
+        samples: &Samples<S, N>,
+        rgb: &mut Vectors<S>,
+        units: f32,
+    ) -> Colours<S> {
+        let opacity = S::choose(samples.shown[n], samples.weighted[n], S::float(0.0));
         // Rounding may bring a colour above its opacity.
-        let rgb = bundle.vectors(&bundle.block.rgb, shown);
+        let rgb = bundle.vectors(n, rgb, samples.shown[n]);
         let [r, g, b] = each!(c of [0, 1, 2] => smaller::<S>(rgb[c] - S::float(NONE), opacity));
         let sources = each!(c of [r, g, b, opacity] => S::divide(c, S::float(ONE)));
         let units = S::float(units);
         let lengths = match bundle.paths {
-            Some(paths) => units * paths,
+            Some(paths) => units * paths[n],
             None => units,
         };
-        Some(lengthen::<S>(&sources, lengths))
+        lengthen::<S>(&sources, lengths)
     }
 
     /// Colours with light and depth cue, where they show.
     #[inline(always)]
-    fn lit<S: Simd>(&self, bundle: &Bundle<S>, colours: Colours<S>) -> Colours<S> {
+    fn lit<S: Simd, const N: usize>(
+        &self,
+        bundle: &Bundle<S, N>,
+        n: usize,
+        colours: Colours<S>,
+        normals: &mut Vectors<S>,
+    ) -> Colours<S> {
         let [r, g, b, a] = colours;
         let (factor, highlight) = match &self.lights {
             Some(lights) => {
-                let shown = S::greater(a, S::float(0.0)) & !bundle.hidden;
-                lights.response::<S>(&bundle.vectors(&bundle.block.normals, shown))
+                let shown = S::greater(a, S::float(0.0));
+                lights.response::<S>(&bundle.vectors(n, normals, shown))
             }
             None => (S::float(1.0), S::float(0.0)),
         };
@@ -171,26 +227,12 @@ impl Classifier {
     }
 }
 
-impl<S: Simd> Bundle<'_, S> {
-    /// The samples of numbers, in parts of [`ONE`].
-    #[inline(always)]
-    fn numbers(&self, numbers: &[i16]) -> S::Float {
-        self.places.numbers(numbers) - S::float(NONE)
+/// The samples of numbers, in parts of [`ONE`].
+#[inline(always)]
+fn stored_numbers<S: Simd, const N: usize>(bundle: &Bundle<S, N>, numbers: &[i16]) -> [S::Float; N] {
+    let mut all = bundle.numbers(numbers);
+    for one in &mut all {
+        *one = *one - S::float(NONE);
     }
-
-    /// The coverage of each sample in parts of [`ONE`]; `None` where it is 1.
-    #[inline(always)]
-    fn coverage(&self) -> Option<S::Float> {
-        let coverage = &self.block.coverage;
-        if coverage.is_empty() {
-            return None;
-        }
-        Some(self.numbers(coverage))
-    }
-
-    /// The samples of vectors that are `shown`, in steps of what is stored.
-    #[inline(always)]
-    fn vectors(&self, vectors: &[[i16; 4]], shown: S::Mask) -> [S::Float; 3] {
-        self.places.vectors(vectors, shown)
-    }
+    all
 }

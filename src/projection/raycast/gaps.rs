@@ -2,92 +2,80 @@
 //!
 //! *Theory.* Empty space is leapt over by its distance to what is not (Zuiderveld, Koning and Viergever 1992).
 //! *Practice.* A packet at a plane is no larger than a cell, so it meets at most two of them along each axis: it is asked for by the cell
-//! of its lowest corner and by which axes it goes on to the next cell along. All is found when the transfer function changes, not in a
-//! frame.
+//! of its low corner alone. All is found when the transfer function changes, not in a frame.
 
-use glam::Vec3;
+use glam::DVec3;
 
+use super::places::{self, Place};
+use super::rays::MOST_PLANES;
 use super::shown::Cells;
-use super::simd::{Simd, each, larger, smaller};
+use super::simd::each;
 
 /// The farthest that distances are counted, in cells.
-const FARTHEST: u8 = 31;
+pub const FARTHEST: u8 = 31;
+
+/// How far around a packet's places is asked whether anything shows, for their rounding, voxels.
+pub const MARGIN: f64 = 0.01;
 
 /// The cells of a block by what shows of them and of their neighbours.
 pub struct Gaps {
-    /// The low corner of the first cell, in stored voxels.
-    begin: Vec3,
-    /// Voxels along a cell's edge.
-    edge: f32,
-    dims: [usize; 3],
-    /// Bit `s` of the low half of each cell's word says that something shows of this cell and of those next to it, upwards along the axes
-    /// of which `s` has the bit, all together a box of one, two, four or eight. The high half says how many cells the box of eight can be
-    /// moved along any axes without that anything shows in it, and one more; 0 if something does.
-    cells: Vec<u16>,
+    /// The low corner of the first cell, in lattice coordinates.
+    begin: Place,
+    /// Bits of a place behind the number of its cell.
+    shift: u32,
+    /// How far apart neighbours are along each axis.
+    strides: [i64; 3],
+    /// How many cells the box of eight that begins at each cell can be moved along any axes without that anything shows in it, and one
+    /// more; 0 if something does. There is a cell more on each side, of which nothing shows.
+    free: Vec<u8>,
 }
 
 impl Gaps {
-    /// Those of `cells`.
-    pub fn new(cells: &Cells) -> Self {
-        let dims = cells.dims;
-        let mut shown: Vec<u8> = cells
-            .shown
-            .iter()
-            .map(|shown| if *shown { u8::MAX } else { 0 })
-            .collect();
-        // The axes along which a box of cells goes on are the bits of its number.
-        for (axis, goes_on) in [0b1010_1010, 0b1100_1100, 0b1111_0000].into_iter().enumerate() {
-            spread(
-                &mut shown,
-                dims,
-                axis,
-                |here, next| here | next & goes_on,
-                |here, _| here,
-            );
+    /// Those of `cells`, whose block's first stored voxel is the lattice's `first`.
+    pub fn new(cells: &Cells, first: DVec3) -> Self {
+        let edge = cells.edge as f64;
+        let dims = cells.dims.map(|n| n + 2);
+        let mut shown = vec![0; dims.iter().product()];
+        for (row, of) in cells.shown.chunks_exact(cells.dims[0].max(1)).enumerate() {
+            let [y, z] = [row % cells.dims[1], row / cells.dims[1]];
+            let begin = 1 + dims[0] * (y + 1 + dims[1] * (z + 1));
+            for (shown, of) in shown[begin..].iter_mut().zip(of) {
+                *shown = u8::from(*of);
+            }
         }
-        let free = free(&shown, dims);
-        Self {
-            begin: cells.begin.as_vec3(),
-            edge: cells.edge as f32,
-            dims,
-            cells: shown
-                .iter()
-                .zip(free)
-                .map(|(&shown, free)| u16::from_le_bytes([shown, free]))
-                .collect(),
-        }
-    }
-
-    /// Between which of sixteen places `low` and `high`, stored voxels less than a cell apart, nothing shows, and how far each can be moved
-    /// along all axes without that anything does, in voxels.
-    #[inline(always)]
-    pub fn free<S: Simd>(&self, low: &[S::Float; 3], high: &[S::Float; 3]) -> (S::Mask, S::Float) {
-        let (mut at, mut goes_on, mut stride) = (S::int(0), S::int(0), 1);
         for axis in 0..3 {
-            let [low, high] = each!(place of [low[axis], high[axis]] => self.cell::<S>(axis, place));
-            at = at + low * S::int(stride);
-            goes_on = goes_on + (high - low) * S::int(1 << axis);
-            stride *= self.dims[axis] as i32;
+            spread(&mut shown, dims, axis, |here, next| here | next, |here, _| here);
         }
-        let word = S::look_up(&self.cells, at);
-        let shown = S::and(S::shift_right(word, goes_on), S::int(1));
-        let voxels = S::to_float(S::shift_right(word, S::int(8))) * S::float(self.edge) - S::float(self.edge);
-        (!S::greater_int(shown, S::int(0)), larger::<S>(voxels, S::float(0.0)))
+        Self {
+            begin: (cells.begin + first + DVec3::splat(MARGIN - edge))
+                .to_array()
+                .map(places::fixed),
+            shift: places::BITS + cells.edge.ilog2(),
+            strides: [1, dims[0], dims[0] * dims[1]].map(|n| n as i64),
+            free: free(shown, dims),
+        }
     }
 
-    /// The cells along an axis that places are in, or nearest to.
+    /// How many cells a packet whose low corner is `low`, in lattice coordinates, can be moved along any axes without that anything of the block shows, and one
+    /// more; 0 if something may show where it is, or if it is beyond all cells.
     #[inline(always)]
-    fn cell<S: Simd>(&self, axis: usize, place: S::Float) -> S::Int {
-        let cell = S::floor((place - S::float(self.begin[axis])) * S::float(1.0 / self.edge));
-        let last = S::float((self.dims[axis] - 1) as f32);
-        S::whole(larger::<S>(smaller::<S>(cell, last), S::float(0.0)))
+    pub fn free(&self, low: &Place) -> u8 {
+        let [x, y, z] = each!(axis of [0, 1, 2] => ((low[axis] - self.begin[axis]) >> self.shift) * self.strides[axis]);
+        self.free.get((x + y + z) as usize).copied().unwrap_or(0)
     }
 }
 
-/// How many cells the box of eight at each cell can be moved, and one more: see [`Gaps::cells`].
-fn free(shown: &[u8], dims: [usize; 3]) -> Vec<u8> {
-    let mut near: Vec<u8> = shown.iter().map(|shown| shown >> 7).collect();
-    let mut free = vec![0; shown.len()];
+/// How many planes a packet hops where [`Gaps::free`] says so many, at least 1, if it passes a voxel in so many planes; cells have an `edge` of so many voxels.
+pub fn hops(edge: usize, planes_per_voxel: f64) -> [i32; FARTHEST as usize + 1] {
+    std::array::from_fn(|free| {
+        let voxels = free.saturating_sub(1) * edge;
+        (voxels as f64 * planes_per_voxel).min(f64::from(MOST_PLANES)) as i32 + 1
+    })
+}
+
+/// How many cells the box of eight at each cell can be moved, and one more: see [`Gaps::free`].
+fn free(mut near: Vec<u8>, dims: [usize; 3]) -> Vec<u8> {
+    let mut free = vec![0; near.len()];
     for _ in 0..FARTHEST {
         if near.iter().all(|near| *near == 1) {
             break;
@@ -134,7 +122,6 @@ mod tests {
     use glam::DVec3;
     use proptest::prelude::*;
 
-    use super::super::simd::{Portable, RAYS};
     use super::*;
 
     fn cells() -> impl Strategy<Value = Cells> {
@@ -152,45 +139,55 @@ mod tests {
     }
 
     /// Whether any cell that shows meets the box between `low` and `high`.
-    fn shows(cells: &Cells, low: [f32; 3], high: [f32; 3]) -> bool {
+    fn shows(cells: &Cells, low: [f64; 3], high: [f64; 3]) -> bool {
         let [width, height, _] = cells.dims;
-        let begin = cells.begin.as_vec3().to_array();
+        let begin = cells.begin.to_array();
         (0..cells.shown.len()).filter(|n| cells.shown[*n]).any(|n| {
             let cell = [n % width, n / width % height, n / width / height];
             (0..3).all(|a| {
-                let face = begin[a] + (cells.edge * cell[a]) as f32;
-                high[a] >= face && low[a] < face + cells.edge as f32
+                let face = begin[a] + (cells.edge * cell[a]) as f64;
+                high[a] >= face && low[a] < face + cells.edge as f64
             })
         })
     }
 
     proptest! {
-        /// What is said to be free shows nothing, wherever it is moved as far as is said; and of cells that are met, what shows is seen.
+        /// What is said to be free shows nothing, wherever it is moved as far as is said; and of eight cells of which none shows, it is said.
         #[test]
         fn what_is_free_shows_nothing(
             cells in cells(),
-            at in prop::array::uniform3(-0.2f32..1.2),
-            extent in prop::array::uniform3(0.0f32..0.99),
-            moved in prop::array::uniform3(-1.0f32..=1.0),
+            first in prop::array::uniform3(-9i32..9),
+            at in prop::array::uniform3(0.0f64..1.0),
+            before in prop::array::uniform3(prop::bool::weighted(0.2)),
+            extent in prop::array::uniform3(0.0f64..0.99),
+            moved in prop::array::uniform3(-1.0f64..=1.0),
         ) {
-            let gaps = Gaps::new(&cells);
-            let edge = cells.edge as f32;
-            let low: [f32; 3] = std::array::from_fn(|a| gaps.begin[a] + at[a] * edge * cells.dims[a] as f32);
-            let high: [f32; 3] = std::array::from_fn(|a| low[a] + extent[a] * edge);
-            let splat = |corner: [f32; 3]| corner.map(Portable::float);
-            let (free, voxels) = gaps.free::<Portable>(&splat(low), &splat(high));
-            let voxels = Portable::side_by_side([voxels; 4]).map(|voxels| voxels[0]);
-            prop_assert_eq!(voxels, [voxels[0]; RAYS]);
-            let inside = (0..3).all(|a| (0.0..1.0).contains(&at[a]));
-            match Portable::bits(free) {
-                0 if inside => prop_assert!(shows(&cells, low, high)),
-                0 => {}
-                bits => {
-                    prop_assert_eq!(bits, u16::MAX);
-                    let by: [f32; 3] = std::array::from_fn(|a| moved[a] * voxels[0]);
-                    let corner = |corner: [f32; 3]| std::array::from_fn(|a| corner[a] + by[a]);
-                    prop_assert!(!shows(&cells, corner(low), corner(high)));
-                }
+            let first = DVec3::from_array(first.map(f64::from));
+            let gaps = Gaps::new(&cells, first);
+            let edge = cells.edge as f64;
+            // Among the cells, or up to one before them.
+            let low: [f64; 3] = std::array::from_fn(|a| {
+                let cells_on = if before[a] { -at[a] } else { at[a] * cells.dims[a] as f64 };
+                cells.begin[a] + cells_on * edge
+            });
+            let free = gaps.free(&std::array::from_fn(|a| places::fixed(low[a] + first[a])));
+            let extents = edge - 2.0 * MARGIN;
+            let high = std::array::from_fn(|a| low[a] + extent[a] * extents);
+            if free > 0 {
+                let voxels = f64::from(free - 1) * edge;
+                let corner = |corner: [f64; 3]| std::array::from_fn(|a| corner[a] + moved[a] * voxels);
+                prop_assert!(!shows(&cells, corner(low), corner(high)));
+            } else {
+                prop_assert!(shows(&cells, low.map(|at| at - edge), low.map(|at| at + 2.0 * edge)));
+            }
+        }
+
+        /// A packet that hops comes no farther than it may.
+        #[test]
+        fn hops_are_short_enough(edge in 1usize..64, planes_per_voxel in 0.01f64..9.0) {
+            for (free, planes) in hops(edge, planes_per_voxel).into_iter().enumerate().skip(1) {
+                let voxels = f64::from(planes - 1) / planes_per_voxel;
+                prop_assert!(voxels <= ((free - 1) * edge) as f64 * (1.0 + 1e-12));
             }
         }
     }

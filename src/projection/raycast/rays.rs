@@ -8,11 +8,12 @@
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::simd::{EDGE, RAYS, Simd, each};
+use super::template::edge;
 use crate::math::affine;
 use crate::projection::{Camera, FrameSpec, Lens, Planes, ProjectError, eye_from_lattice};
 
 /// The most planes that rays are sampled at: plane numbers are exact in single precision.
-const MOST_PLANES: i64 = 1 << 24;
+pub const MOST_PLANES: i32 = 1 << 24;
 
 /// A stretch of depth, as a frame samples it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +45,11 @@ pub struct Rays {
     pub origin: OverFrame,
     /// The ways from one sampling point to the next.
     pub step: OverFrame,
-    /// The ray of a packet that has the lowest coordinate along each axis, at any plane; the one across from it has the highest.
-    pub lowest: [usize; 3],
+    /// Whether all go the same way.
+    pub parallel: bool,
+    /// Whether it is the last column, and the last row, of a packet that has the lowest coordinate along each axis, at any plane, instead of the
+    /// first one; the ray across from it has the highest.
+    pub lowest: [[bool; 2]; 3],
     /// Depth of the first plane that may meet the target, and distance between planes, millimetres.
     first_mm: f64,
     step_mm: f64,
@@ -74,13 +78,19 @@ impl OverFrame {
         }
     }
 
-    /// Along an axis, those of the packet whose first pixel is `first`.
+    /// Along an axis, those of the vector whose first pixel is `first`.
     #[inline(always)]
     fn packet<S: Simd>(&self, axis: usize, first: [u32; 2]) -> S::Double {
         self.at::<S>(
             axis,
             each!(a of [0, 1] => S::double(f64::from(first[a])) + S::doubles(WITHIN[a])),
         )
+    }
+
+    /// Along an axis, that of the pixel in this column and row.
+    #[inline(always)]
+    fn of_pixel(&self, axis: usize, [x, y]: [f64; 2]) -> f64 {
+        self.first[axis] + (x * self.column[axis] + y * self.row[axis])
     }
 
     /// Along an axis, those of pixels in these columns and rows.
@@ -90,7 +100,7 @@ impl OverFrame {
     }
 }
 
-/// The columns and the rows of a packet's rays.
+/// The columns and the rows of a vector's rays.
 const WITHIN: [[f64; RAYS]; 2] = {
     let mut within = [[0.0; RAYS]; 2];
     let mut n = 0;
@@ -111,8 +121,8 @@ impl Rays {
         let [near_mm, far_mm] = depths.within_mm;
         let range = depths.planes.between(near_mm.max(spec.camera.near_mm()), far_mm);
         let planes = range.end.saturating_sub(range.start).max(0);
-        if planes > MOST_PLANES {
-            let (samples_per_voxel, limit) = (spec.settings.samples_per_voxel, MOST_PLANES);
+        if planes > i64::from(MOST_PLANES) {
+            let (samples_per_voxel, limit) = (spec.settings.samples_per_voxel, i64::from(MOST_PLANES));
             return Err(ProjectError::Planes {
                 samples_per_voxel,
                 limit,
@@ -125,6 +135,7 @@ impl Rays {
         let origin = OverFrame::new(begin);
         let step = OverFrame::new(|px| step(camera, &lattice_from_eye, px, step_mm));
         Ok(Self {
+            parallel: step.column == DVec3::ZERO && step.row == DVec3::ZERO,
             lowest: lowest(&origin, &step, planes as f64),
             origin,
             step,
@@ -139,24 +150,50 @@ impl Rays {
         [self.first_mm, self.step_mm]
     }
 
-    /// How far the rays of a packet are at most apart along each axis, anywhere in the frame.
-    pub fn packet_extent(&self) -> DVec3 {
-        let last = f64::from(self.planes);
-        let apart = |plane: f64| {
-            let [column, row] = [|of: &OverFrame| of.column, |of: &OverFrame| of.row]
-                .map(|part| (part(&self.origin) + plane * part(&self.step)).abs());
-            (EDGE - 1) as f64 * (column + row)
+    /// How far it is along each axis from a column to the next, and from a row to the next, at a plane.
+    #[inline(always)]
+    pub fn apart(&self, plane: i32) -> [[f64; 2]; 3] {
+        let planes = f64::from(plane);
+        let column = self.origin.column + planes * self.step.column;
+        let row = self.origin.row + planes * self.step.row;
+        each!(axis of [0, 1, 2] => [column[axis], row[axis]])
+    }
+
+    /// How far the rays of a packet of `N` vectors are at most apart along any axis, anywhere in the frame.
+    pub fn packet_extent<const N: usize>(&self) -> f64 {
+        let extent = |plane: i32| {
+            let apart = self.apart(plane).map(|[column, row]| column.abs() + row.abs());
+            (edge(N) - 1) as f64 * apart.into_iter().fold(0.0, f64::max)
         };
-        apart(0.0).max(apart(last))
+        extent(0).max(extent(self.planes))
+    }
+
+    /// In how many planes the fastest ray of a frame with this last pixel passes a voxel along some axis.
+    pub fn planes_per_voxel(&self, [width, height]: [u32; 2]) -> f64 {
+        let corners = [[0, 0], [width, 0], [0, height], [width, height]].map(|corner| corner.map(f64::from));
+        let fastest = corners
+            .into_iter()
+            .flat_map(|corner| [0, 1, 2].map(|axis| self.step.of_pixel(axis, corner).abs()));
+        1.0 / fastest.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// The lowest place along each axis of the packet of `N` vectors that begins at `first`: at plane 0, and from plane to plane.
+    #[inline(always)]
+    pub fn low<const N: usize>(&self, first: [u32; 2]) -> [[f64; 2]; 3] {
+        each!(axis of [0, 1, 2] => {
+            let pixel = each!(a of [0, 1] => {
+                let last = if self.lowest[axis][a] { edge(N) - 1 } else { 0 };
+                f64::from(first[a]) + last as f64
+            });
+            [self.origin.of_pixel(axis, pixel), self.step.of_pixel(axis, pixel)]
+        })
     }
 }
 
 /// See [`Rays::lowest`]; the last plane is `last` from the first.
-fn lowest(origin: &OverFrame, step: &OverFrame, last: f64) -> [usize; 3] {
-    let falls = |part: fn(&OverFrame) -> DVec3, axis: usize| {
-        usize::from(part(origin)[axis] + last * part(step)[axis] < 0.0) * (EDGE - 1)
-    };
-    [0, 1, 2].map(|axis| falls(|of| of.column, axis) + EDGE * falls(|of| of.row, axis))
+fn lowest(origin: &OverFrame, step: &OverFrame, last: f64) -> [[bool; 2]; 3] {
+    let falls = |part: fn(&OverFrame) -> DVec3, axis: usize| part(origin)[axis] + last * part(step)[axis] < 0.0;
+    [0, 1, 2].map(|axis| [falls(|of| of.column, axis), falls(|of| of.row, axis)])
 }
 
 /// The way from one sampling point to the next, of the ray through a place in the frame.
@@ -168,7 +205,7 @@ fn step(camera: &Camera, lattice_from_eye: &DAffine3, px: DVec2, step_mm: f64) -
     lattice_from_eye.matrix3 * (along * step_mm)
 }
 
-/// The rays of a packet.
+/// The rays of a vector.
 pub struct PacketRays<S: Simd> {
     /// Where sampling point 0 is along each axis.
     pub origin: [S::Double; 3],
@@ -197,7 +234,7 @@ pub struct Intervals<S: Simd> {
 }
 
 impl<S: Simd> PacketRays<S> {
-    /// The rays of the packet whose first pixel is `first`; of pixels beyond the frame too.
+    /// The rays of the vector whose first pixel is `first`; of pixels beyond the frame too.
     #[inline(always)]
     pub fn new(rays: &Rays, first: [u32; 2]) -> Self {
         Self {

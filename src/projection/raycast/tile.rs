@@ -4,26 +4,30 @@ use std::ops::Range;
 
 use super::boxes::CastBox;
 use super::classify::Classifier;
-use super::hops::{Hops, PACKETS};
-use super::packet::Packet;
+use super::gaps::FARTHEST;
+use super::packet::{March, Packet, first_of as vector_of};
+use super::places::STRETCH;
 use super::rays::Rays;
 #[cfg(target_arch = "x86_64")]
 use super::simd::Avx512;
-use super::simd::{EDGE, Kernel, Portable, Simd};
+use super::simd::{EDGE, Kernel, Portable, RAYS, Simd, each};
+use super::spans::{PACKETS, Spans};
+use super::template::{Template, edge};
 use super::voxels::CastTarget;
 use crate::projection::composite::Blending;
 
-/// Pixels along a tile's edge.
-pub const TILE: usize = PACKETS * EDGE;
-
-/// Planes that a box is cast by at a time, all pixels of a tile: what they read stays in a processor's cache.
-const SLAB: i32 = 32;
+/// Pixels along the edge of a tile of packets of `n` vectors.
+pub const fn tile(n: usize) -> usize {
+    PACKETS * edge(n)
+}
 
 /// All that tiles share.
 pub struct Scene<'a> {
     pub target: &'a CastTarget,
     pub boxes: &'a [CastBox<'a>],
     pub rays: Rays,
+    /// See [`hops`](super::gaps::hops).
+    pub hops: [i32; FARTHEST as usize + 1],
     pub classifier: Classifier,
     pub blending: Blending,
     /// Millimetres of ray a millimetre of depth, of each pixel; `None` where all are 1.
@@ -32,7 +36,7 @@ pub struct Scene<'a> {
     pub stops: Option<&'a (dyn Fn([u32; 2]) -> i32 + Sync)>,
 }
 
-/// Pixel `n` of the packet whose first pixel is `first`.
+/// Pixel `n` of the vector whose first pixel is `first`.
 pub fn pixel([x, y]: [u32; 2], n: usize) -> [u32; 2] {
     [x + (n % EDGE) as u32, y + (n / EDGE) as u32]
 }
@@ -43,92 +47,102 @@ pub type Rows<'a> = &'a mut dyn FnMut([u32; 2], &[[f32; 4]]);
 /// Casts the tile that begins at a pixel, and hands on those rows of its pixels that anything may cover.
 pub type Cast = fn(&Scene, [u32; 2], Rows);
 
-/// By the widest vectors that the processor has.
-pub fn by_widest(scene: &Scene, first: [u32; 2], rows: Rows) {
+/// By the widest vectors that the processor has, in packets of `N`.
+pub fn by_widest<const N: usize>(scene: &Scene, first: [u32; 2], rows: Rows) {
     #[cfg(target_arch = "x86_64")]
     if Avx512::is_there() {
-        return Avx512::run(TileCast { scene, first, rows });
+        return Avx512::run(TileCast::<N> { scene, first, rows });
     }
-    by_arrays(scene, first, rows);
+    by_arrays::<N>(scene, first, rows);
 }
 
 /// By arrays, whatever vectors the processor has.
-#[multiversion::multiversion(targets("x86_64+avx2"))]
-pub fn by_arrays(scene: &Scene, first: [u32; 2], rows: Rows) {
-    TileCast { scene, first, rows }.run::<Portable>();
+pub fn by_arrays<const N: usize>(scene: &Scene, first: [u32; 2], rows: Rows) {
+    Portable::run(TileCast::<N> { scene, first, rows });
 }
 
-/// A tile that is to be cast.
-struct TileCast<'a, 'b> {
+/// A tile that is to be cast, in packets of `N` vectors.
+struct TileCast<'a, 'b, const N: usize> {
     scene: &'a Scene<'b>,
     first: [u32; 2],
     rows: Rows<'a>,
 }
 
-impl Kernel for TileCast<'_, '_> {
+impl<S: Simd, const N: usize> Kernel<S> for TileCast<'_, '_, N> {
     #[inline(always)]
-    fn run<S: Simd>(self) {
-        let mut packets: Packets<S> = [const { None }; PACKETS * PACKETS];
+    fn run(self) {
+        let mut packets: Packets<S, N> = [const { None }; PACKETS * PACKETS];
+        let mut template = Template::new(&self.scene.rays, 0);
         for cast_box in self.scene.boxes {
-            cast_box_by(&mut packets, self.scene, self.first, cast_box);
+            self.cast(&mut packets, &mut template, cast_box);
         }
         for (at, packet) in packets.iter().enumerate() {
             let Some(packet) = packet else { continue };
-            let pixels = S::side_by_side(packet.pixels);
-            for (row, pixels) in pixels.chunks_exact(EDGE).enumerate() {
-                (self.rows)(pixel(first_of(self.first, at), row * EDGE), pixels);
+            for n in 0..N {
+                let first = vector_of::<N>(self.packet(at), n);
+                let pixels = S::side_by_side(packet.pixels[n]);
+                for (row, pixels) in pixels.chunks_exact(EDGE).enumerate() {
+                    (self.rows)(pixel(first, row * EDGE), pixels);
+                }
             }
         }
     }
 }
 
 /// The packets of a tile, row by row; those that nothing may cover are left out.
-type Packets<S> = [Option<Packet<S>>; PACKETS * PACKETS];
+type Packets<S, const N: usize> = [Option<Packet<S, N>>; PACKETS * PACKETS];
 
-/// The first pixel of a packet of the tile whose first pixel is `first`.
-fn first_of([x, y]: [u32; 2], packet: usize) -> [u32; 2] {
-    [
-        x + (packet % PACKETS * EDGE) as u32,
-        y + (packet / PACKETS * EDGE) as u32,
-    ]
-}
-
-#[inline(always)]
-fn cast_box_by<S: Simd>(packets: &mut Packets<S>, scene: &Scene, first: [u32; 2], cast_box: &CastBox) {
-    let covers = |axis: usize| {
-        let Range { start, end } = cast_box.pixels[axis];
-        start < first[axis] + TILE as u32 && first[axis] < end
-    };
-    if !covers(0) || !covers(1) {
-        return;
+impl<const N: usize> TileCast<'_, '_, N> {
+    /// The first pixel of a packet.
+    #[inline(always)]
+    fn packet(&self, packet: usize) -> [u32; 2] {
+        let [x, y] = self.first;
+        [
+            x + (packet % PACKETS * edge(N)) as u32,
+            y + (packet / PACKETS * edge(N)) as u32,
+        ]
     }
-    let block = &scene.target.blocks[cast_box.block];
-    let mut hops = Hops::<S>::new(&scene.rays, first, block, cast_box);
-    let mut entered = 0u16;
-    loop {
-        hops.hop(&cast_box.shown.gaps);
-        let before_ends = hops.before_ends();
-        let left = S::bits(before_ends);
-        if left == 0 {
+
+    #[inline(always)]
+    fn cast<S: Simd>(&self, packets: &mut Packets<S, N>, template: &mut Template<S, N>, cast_box: &CastBox) {
+        let (scene, first) = (self.scene, self.first);
+        let covers = |axis: usize| {
+            let Range { start, end } = cast_box.pixels[axis];
+            start < first[axis] + tile(N) as u32 && first[axis] < end
+        };
+        if !covers(0) || !covers(1) {
             return;
         }
-        let (mut planes, ends) = (S::int_array(hops.planes), S::int_array(hops.ends));
-        let nearest = S::least(S::choose_int(before_ends, hops.planes, S::int(i32::MAX)));
-        let slab = nearest - nearest % SLAB + SLAB;
-        for n in 0..PACKETS * PACKETS {
-            if left >> n & 1 == 0 || planes[n] >= slab {
-                continue;
+        let block = &scene.target.blocks[cast_box.block];
+        let spans = Spans::<S>::new(&scene.rays, edge(N), first, cast_box);
+        let [mut next, ends] = each!(of of [spans.any[0], spans.any[1]] => S::int_array(of));
+        let [begin, end] = each!(of of [spans.all[0], spans.all[1]] => S::int_array(of));
+        let mut entered = 0u16;
+        while let Some(nearest) = (0..RAYS).filter(|n| next[*n] < ends[*n]).map(|n| next[n]).min() {
+            // All packets go on by a stretch before any goes on by the next: what they read stays in a processor's cache.
+            let stretch_end = nearest - nearest % STRETCH + STRETCH;
+            for n in 0..PACKETS * PACKETS {
+                if next[n] >= ends[n].min(stretch_end) {
+                    continue;
+                }
+                let packet = match &mut packets[n] {
+                    Some(packet) => packet,
+                    none => none.insert(Packet::new(scene, self.packet(n))),
+                };
+                if entered >> n & 1 == 0 {
+                    entered |= 1 << n;
+                    packet.enter(begin[n]..end[n]);
+                }
+                S::run(March {
+                    packet,
+                    scene,
+                    block,
+                    cast_box,
+                    template,
+                    next: &mut next[n],
+                    end: ends[n].min(stretch_end),
+                });
             }
-            let packet = match &mut packets[n] {
-                Some(packet) => packet,
-                none => none.insert(Packet::new(scene, first_of(first, n))),
-            };
-            if entered >> n & 1 == 0 {
-                entered |= 1 << n;
-                packet.enter(scene, cast_box);
-            }
-            planes[n] = packet.march(scene, block, planes[n]..slab.min(ends[n]));
         }
-        hops.planes = S::ints(planes);
     }
 }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::normals::voxel_normals;
 use super::shown::ShownBlock;
+use super::simd::EDGE;
 use crate::array::Array;
 use crate::projection::{FrameSpec, SoftNormals, TransferFunction, TransferTable, VisibleValues};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
@@ -59,7 +60,7 @@ pub(super) struct CastBlock {
     pub first: [i32; 3],
     /// How far apart stored neighbours are along each axis; 0 in a block of one value.
     pub strides: [i32; 3],
-    /// How many are stored along each axis; 1 in a block of one value.
+    /// How many there are along each axis; a few in a block of one value.
     pub dims: [i32; 3],
     /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`] from [`NONE`] on.
     pub weighted: Array<i16>,
@@ -143,21 +144,27 @@ fn prepare(target: &Target, block: &Block, normals: Option<&SoftNormals>) -> (Ca
 }
 
 impl CastBlock {
+    /// Whether there are [`EDGE`]³ voxels at least.
+    #[inline(always)]
+    pub fn has_few(&self) -> bool {
+        self.dims.iter().all(|n| *n >= EDGE as i32)
+    }
+
     /// Whether what shows of it can be told from its voxels alone.
     pub fn is_looked_into(&self) -> bool {
         self.strides[0] != 0 && self.coverage.is_empty()
     }
 
-    /// The two voxels that any place in a block of one value is between.
+    /// The voxels that any place in a block of one value is among, a row that stands for all.
     fn uniform(block: &Block, value: f32, lit: bool) -> Self {
         Self {
             first: block.origin.map(|n| n as i32 - Block::APRON as i32),
             strides: [0; 3],
-            dims: [1; 3],
-            weighted: vec![stored(value); 2].into(),
+            dims: [EDGE as i32; 3],
+            weighted: vec![stored(value); EDGE].into(),
             coverage: Array::default(),
             rgb: Array::default(),
-            normals: Array::zeroed(if lit { 2 } else { 0 }),
+            normals: Array::zeroed(if lit { EDGE } else { 0 }),
         }
     }
 

@@ -1,7 +1,7 @@
 //! How the ray caster computes a frame, as its bounds have it.
 //!
 //! The bounds are those that slices on a device are held to (`conformance`), for a device that is the ray caster: it puts rays
-//! where they are in double precision and goes on from there in single precision, among voxels of 16 bits.
+//! where they are in whole parts of a voxel and goes on from there in single precision, among voxels of 16 bits.
 
 use vcsg::conformance::{Drawing, DrawnBox, Precision, Storage};
 use vcsg::projection::FrameSpec;
@@ -20,7 +20,7 @@ pub fn drawing(spec: &FrameSpec) -> Drawing {
         precision: Precision {
             vertex_px: 0.0,
             // Along one axis weights are rounded to whole numbers of 2^-15.
-            weight: place_rounding(spec) + 0.5 / 32768.0,
+            weight: place_rounding() + 0.5 / 32768.0,
             // The path is rounded once.
             interpolated: ULP,
             coordinate: 0.0,
@@ -34,16 +34,10 @@ pub fn drawing(spec: &FrameSpec) -> Drawing {
     }
 }
 
-/// Rounding of a place along an axis, voxels. It is counted from a whole number, and at most 7 steps further: the first part,
-/// the step, their product and their sum are each off by half a unit.
-fn place_rounding(spec: &FrameSpec) -> f64 {
-    let lattice = &spec.target.lattice;
-    let [width, height] = spec.camera.size;
-    let corners = [[0, 0], [width, 0], [0, height], [width, height]];
-    let steepest = corners
-        .map(|[x, y]| spec.camera.path_per_depth(x, y))
-        .into_iter()
-        .fold(1.0, f64::max);
-    let step = spec.planes().step_mm * steepest / lattice.spacing_mm().min_element();
-    0.5 * ULP * (2.0 + 21.0 * step)
+/// Rounding of a place along an axis, voxels. It is counted in parts of 2^-24 voxel: the packet's low corner is rounded down to one, and from
+/// there it is at most 7 columns and 7 rows, of a width that is off by half a part. The corner itself is counted in parts of 2^-32,
+/// from the first of 32 planes on, which is less than another part.
+fn place_rounding() -> f64 {
+    const PART: f64 = 1.0 / (1u32 << 24) as f64;
+    (1.0 + 7.0 + 1.0) * PART
 }

@@ -6,9 +6,10 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
-use super::{Apart, EDGE, Kernel, Near, ONE_WEIGHT, Pairs, RAYS, Simd, Within, each};
+use super::{Apart, EDGE, Kernel, Pairs, RAYS, Simd, Within, each};
 
-/// For processors with AVX-512 F, BW, DQ and VL. Nothing of it may be called but by [`Avx512::run`].
+/// For processors with AVX-512 F, BW and VL. Nothing of it may be called but what [`Avx512::run`] does.
+#[derive(Clone, Copy)]
 pub struct Avx512;
 
 impl Avx512 {
@@ -16,21 +17,14 @@ impl Avx512 {
     pub fn is_there() -> bool {
         is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl")
-    }
-
-    /// Does something in this way, on a processor that [has](Self::is_there) it.
-    pub fn run(kernel: impl Kernel) {
-        assert!(Self::is_there(), "the processor has no AVX-512");
-        // SAFETY: it has.
-        unsafe { run_there(kernel) }
     }
 }
 
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn run_there(kernel: impl Kernel) {
-    kernel.run::<Avx512>();
+#[target_feature(enable = "avx512f,avx512bw,avx512vl")]
+#[inline(never)]
+fn run_there(kernel: impl Kernel<Avx512>) {
+    kernel.run();
 }
 
 #[derive(Clone, Copy)]
@@ -41,6 +35,12 @@ pub struct Double(__m512d, __m512d);
 
 #[derive(Clone, Copy)]
 pub struct Int(__m512i);
+
+/// The first two planes and the last two.
+pub struct Few {
+    low: __m512i,
+    high: __m512i,
+}
 
 macro_rules! operator {
     ($number:ident, $operator:ident, $f:ident, |$a:ident, $b:ident| $of:expr) => {
@@ -113,6 +113,13 @@ impl Simd for Avx512 {
     type Double = Double;
     type Mask = u16;
     type Int = Int;
+    type Few = Few;
+
+    fn run(kernel: impl Kernel<Self>) {
+        assert!(Self::is_there(), "the processor has no AVX-512");
+        // SAFETY: it has.
+        unsafe { run_there(kernel) }
+    }
 
     #[inline(always)]
     fn none() -> u16 {
@@ -138,12 +145,7 @@ impl Simd for Avx512 {
         fn ints(x: [i32; RAYS]) -> Int { Int(std::mem::transmute::<[i32; RAYS], __m512i>(x)) }
         fn int_array(x: Int) -> [i32; RAYS] { std::mem::transmute::<__m512i, [i32; RAYS]>(x.0) }
 
-        fn one(x: Int, n: usize) -> i32 {
-            _mm512_cvtsi512_si32(_mm512_permutexvar_epi32(_mm512_set1_epi32(n as i32), x.0))
-        }
-
         fn divide(a: Float, b: Float) -> Float { Float(_mm512_div_ps(a.0, b.0)) }
-        fn floor(x: Float) -> Float { Float(_mm512_roundscale_ps::<DOWN>(x.0)) }
         fn root(x: Float) -> Float { Float(_mm512_sqrt_ps(x.0)) }
         fn absolute(x: Float) -> Float { Float(_mm512_abs_ps(x.0)) }
         fn greater(a: Float, b: Float) -> u16 { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a.0, b.0) }
@@ -175,46 +177,21 @@ impl Simd for Avx512 {
         fn whole_double(x: Double) -> Int {
             Int(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(_mm512_cvtpd_epi32(x.0)), _mm512_cvtpd_epi32(x.1)))
         }
-        fn single(x: Double) -> Float {
-            Float(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(_mm512_cvtpd_ps(x.0)), _mm512_cvtpd_ps(x.1)))
-        }
 
         fn greater_int(a: Int, b: Int) -> u16 { _mm512_cmpgt_epi32_mask(a.0, b.0) }
-        fn and(a: Int, b: Int) -> Int { Int(_mm512_and_epi32(a.0, b.0)) }
         fn shift_right(a: Int, by: Int) -> Int { Int(_mm512_srlv_epi32(a.0, by.0)) }
+        fn shift_left(a: Int, by: Int) -> Int { Int(_mm512_sllv_epi32(a.0, by.0)) }
         fn choose_int(mask: u16, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
-        fn least(x: Int) -> i32 { _mm512_reduce_min_epi32(x.0) }
         fn to_bits(x: Float) -> Int { Int(_mm512_castps_si512(x.0)) }
         fn from_bits(bits: Int) -> Float { Float(_mm512_castsi512_ps(bits.0)) }
         fn to_float(x: Int) -> Float { Float(_mm512_cvtepi32_ps(x.0)) }
-        fn weights(part: Float) -> Int {
+        fn weights(second: Int) -> Int {
             {
-                let second = _mm512_cvtps_epi32(_mm512_mul_ps(part.0, _mm512_set1_ps(-ONE_WEIGHT)));
-                let first = _mm512_xor_si512(second, _mm512_set1_epi32(0x8000));
-                Int(_mm512_sub_epi32(first, _mm512_slli_epi32::<16>(second)))
+                let first = _mm512_xor_si512(second.0, _mm512_set1_epi32(0x8000));
+                Int(_mm512_sub_epi32(first, _mm512_slli_epi32::<16>(second.0)))
             }
         }
         fn weighed(pairs: Int, weights: Int) -> Float { Float(_mm512_cvtepi32_ps(_mm512_madd_epi16(pairs.0, weights.0))) }
-    }
-
-    /// Two numbers at a time, of which the place is the first, or the second of the last two.
-    #[inline(always)]
-    fn look_up(list: &[u16], places: Int) -> Int {
-        if let [only] = list {
-            return Self::int(i32::from(*only));
-        }
-        let last = list[..list.len().min(i32::MAX as usize)].len() as i32 - 1;
-        // SAFETY: two numbers from a place before the last are the list's; the processor has AVX-512.
-        unsafe {
-            let places = _mm512_min_epu32(places.0, _mm512_set1_epi32(last));
-            let before = _mm512_min_epu32(places, _mm512_set1_epi32(last - 1));
-            let two = _mm512_i32gather_epi32::<2>(before, list.as_ptr().cast());
-            let second = _mm512_slli_epi32::<4>(_mm512_sub_epi32(places, before));
-            Int(_mm512_and_epi32(
-                _mm512_srlv_epi32(two, second),
-                _mm512_set1_epi32(0xffff),
-            ))
-        }
     }
 
     /// Four entries a register, one in each quarter, and then four by four transposed.
@@ -255,38 +232,11 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn near(cell: &[Int; 3], inside: u16, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>> {
-        const LAST: i32 = EDGE as i32 - 2;
-        let mut near = Near {
-            corner: 0,
-            strides: [dims[0] as usize, dims[0] as usize * dims[1] as usize],
-            cell: Self::int(0),
-        };
-        let (mut stride, mut beyond) = (1, 0);
-        let mut words = Self::int(1 << 16);
-        for axis in 0..3 {
-            let last = dims[axis] - EDGE as i32;
-            if last < 0 {
-                return None;
-            }
-            let low = Self::one(cell[axis], lowest[axis]).clamp(0, last);
-            near.corner += low as usize * stride;
-            stride *= dims[axis] as usize;
-            let at = cell[axis] - Self::int(low);
-            // SAFETY: the processor has AVX-512.
-            beyond |= unsafe { _mm512_cmpgt_epu32_mask(at.0, _mm512_set1_epi32(LAST)) };
-            words = words + at * Self::int([0x0001_0001, ROW, PLANE][axis]);
-        }
-        near.cell = words;
-        (beyond & inside == 0).then_some(near)
-    }
-
-    #[inline(always)]
-    fn near_pairs(near: &Near<Self>, numbers: &[i16]) -> Pairs<Self> {
-        let rows = rows(near, numbers);
+    fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Few {
+        let rows = rows(corner, strides, numbers);
         // SAFETY: each row is four numbers, eight bytes; the processor has AVX-512.
         unsafe {
-            let row = |z: usize, y: usize| rows[4 * z + y].as_ptr().cast::<i64>().read_unaligned();
+            let row = |z: usize, y: usize| rows[4 * z + y].cast::<i64>().read_unaligned();
             let [low, high] = each!(z of [0, 2] => {
                 _mm512_set_epi64(
                     row(z + 1, 3),
@@ -299,13 +249,13 @@ impl Simd for Avx512 {
                     row(z, 0),
                 )
             });
-            permute(near, low, high)
+            Few { low, high }
         }
     }
 
     #[inline(always)]
-    fn near_vectors(near: &Near<Self>, vectors: &[[i16; 4]]) -> [Pairs<Self>; 3] {
-        let rows = rows(near, vectors);
+    fn few_vectors(corner: usize, strides: [usize; 2], vectors: &[[i16; 4]]) -> [Few; 3] {
+        let rows = rows(corner, strides, vectors);
         // SAFETY: each row is four vectors, 32 bytes, and the words of `parts` are 64 bytes; the processor has AVX-512.
         unsafe {
             let first = _mm512_loadu_si512(FIRST_PARTS.as_ptr().cast());
@@ -313,7 +263,7 @@ impl Simd for Avx512 {
             // The parts of a plane: the first two, and the third.
             let planes = each!(z of [0, 1, 2, 3] => {
                 let [a, b] = each!(n of [4 * z, 4 * z + 2] => {
-                    let [low, high] = each!(row of [n, n + 1] => _mm256_loadu_si256(rows[row].as_ptr().cast()));
+                    let [low, high] = each!(row of [n, n + 1] => _mm256_loadu_si256(rows[row].cast()));
                     _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
                 });
                 [
@@ -321,12 +271,29 @@ impl Simd for Avx512 {
                     _mm512_permutex2var_epi16(a, last, b),
                 ]
             });
-            let x = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0x44>(planes[z][0], planes[z + 1][0]));
-            let y = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0xee>(planes[z][0], planes[z + 1][0]));
-            let z = each!(z of [0, 2] => _mm512_shuffle_i64x2::<0x44>(planes[z][1], planes[z + 1][1]));
-            each!(part of [x, y, z] => permute(near, part[0], part[1]))
+            let [x, z] = each!(part of [0, 1] => Few {
+                low: _mm512_shuffle_i64x2::<0x44>(planes[0][part], planes[1][part]),
+                high: _mm512_shuffle_i64x2::<0x44>(planes[2][part], planes[3][part]),
+            });
+            let y = Few {
+                low: _mm512_shuffle_i64x2::<0xee>(planes[0][0], planes[1][0]),
+                high: _mm512_shuffle_i64x2::<0xee>(planes[2][0], planes[3][0]),
+            };
+            [x, y, z]
         }
     }
+
+    #[inline(always)]
+    fn take(few: &Few, cells: Int) -> Pairs<Self> {
+        each!(by of [0, ROW, PLANE, PLANE + ROW] => {
+            // SAFETY: the processor has AVX-512.
+            unsafe {
+                let words = _mm512_add_epi32(cells.0, _mm512_set1_epi32(by));
+                Int(_mm512_permutex2var_epi16(few.low, words, few.high))
+            }
+        })
+    }
+
     #[inline(always)]
     fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self> {
         let (voxels, edges) = in_reach(apart, numbers);
@@ -436,28 +403,10 @@ unsafe fn transposed([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
     }
 }
 
-/// The sixteen rows of four that the 4³ voxels are.
+/// The rows that few voxels are in, from the one at `corner` on.
 #[inline(always)]
-fn rows<'a, T>(near: &Near<Avx512>, stored: &'a [T]) -> [&'a [T; EDGE]; 16] {
-    let [y, z] = near.strides;
-    let all = &stored[near.corner..][..3 * y + 3 * z + EDGE];
-    std::array::from_fn(|n| {
-        // SAFETY: `all` ends behind the last of them.
-        unsafe { &*all.as_ptr().add(n % 4 * y + n / 4 * z).cast::<[T; EDGE]>() }
-    })
-}
-
-/// What each sample takes of 4³ words, two planes a register.
-///
-/// # Safety
-/// The processor has AVX-512.
-#[inline(always)]
-unsafe fn permute(near: &Near<Avx512>, low: __m512i, high: __m512i) -> Pairs<Avx512> {
-    each!(by of [0, ROW, PLANE, PLANE + ROW] => {
-        // SAFETY: as above.
-        unsafe {
-            let words = _mm512_add_epi32(near.cell.0, _mm512_set1_epi32(by));
-            Int(_mm512_permutex2var_epi16(low, words, high))
-        }
-    })
+fn rows<T>(corner: usize, [y, z]: [usize; 2], stored: &[T]) -> [*const T; EDGE * EDGE] {
+    let all = &stored[corner..][..(EDGE - 1) * (y + z) + EDGE];
+    // SAFETY: the last of them ends where `all` does.
+    each!(n of [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => unsafe { all.as_ptr().add(n % EDGE * y + n / EDGE * z) })
 }

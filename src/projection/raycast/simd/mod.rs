@@ -19,22 +19,14 @@ pub const EDGE: usize = 4;
 /// Rays of a packet, row by row, and samples of a bundle.
 pub const RAYS: usize = EDGE * EDGE;
 
+/// Voxels of a packet whose voxels are few: [`EDGE`] along each axis.
+pub const FEW: usize = EDGE * EDGE * EDGE;
+
 /// The weight that is stored for 1. All weights are negative: 16 bits hold no positive number as large.
 pub const ONE_WEIGHT: f32 = -32768.0;
 
 /// Two stored numbers side by side on each of the four edges along x of each sample's cell, the first in the low half.
 pub type Pairs<S> = [<S as Simd>::Int; 4];
-
-/// A corner of the 4³ voxels that all cells of a bundle are among, and where in it each cell's low corner is.
-#[derive(Clone, Copy)]
-pub struct Near<S: Simd> {
-    /// The stored voxel at the low corner of all.
-    pub corner: usize,
-    /// How far rows and planes of stored voxels are apart.
-    pub strides: [usize; 2],
-    /// Each cell's low corner, x fastest, in both halves, one more in the high one.
-    pub cell: S::Int,
-}
 
 /// Cells of a bundle that are anywhere.
 #[derive(Clone, Copy)]
@@ -71,7 +63,7 @@ fn between<S: Simd>(a: S::Float, b: S::Float, t: S::Float) -> S::Float {
 }
 
 /// A way of doing sixteen operations at once.
-pub trait Simd: Sized + 'static {
+pub trait Simd: Copy + 'static {
     /// Sixteen numbers of single precision.
     type Float: Copy + Add<Output = Self::Float> + Sub<Output = Self::Float> + Mul<Output = Self::Float>;
     /// Sixteen of double precision.
@@ -80,6 +72,11 @@ pub trait Simd: Sized + 'static {
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
     /// Sixteen integers of 32 bits, which wrap.
     type Int: Copy + Add<Output = Self::Int> + Sub<Output = Self::Int> + Mul<Output = Self::Int>;
+    /// [`EDGE`]³ numbers of 16 bits, those of few voxels.
+    type Few;
+
+    /// Does something in this way, where the processor has it.
+    fn run(kernel: impl Kernel<Self>);
 
     /// None of them.
     fn none() -> Self::Mask;
@@ -93,11 +90,8 @@ pub trait Simd: Sized + 'static {
     fn int(x: i32) -> Self::Int;
     fn ints(x: [i32; RAYS]) -> Self::Int;
     fn int_array(x: Self::Int) -> [i32; RAYS];
-    /// One of them.
-    fn one(x: Self::Int, n: usize) -> i32;
 
     fn divide(a: Self::Float, b: Self::Float) -> Self::Float;
-    fn floor(x: Self::Float) -> Self::Float;
     fn root(x: Self::Float) -> Self::Float;
     fn absolute(x: Self::Float) -> Self::Float;
     /// Where `a > b`.
@@ -114,26 +108,20 @@ pub trait Simd: Sized + 'static {
     fn choose_double(mask: Self::Mask, a: Self::Double, b: Self::Double) -> Self::Double;
     /// The nearest whole number; all must be less than 2³¹.
     fn whole_double(x: Self::Double) -> Self::Int;
-    fn single(x: Self::Double) -> Self::Float;
 
     fn greater_int(a: Self::Int, b: Self::Int) -> Self::Mask;
-    fn and(a: Self::Int, b: Self::Int) -> Self::Int;
     fn shift_right(a: Self::Int, by: Self::Int) -> Self::Int;
+    fn shift_left(a: Self::Int, by: Self::Int) -> Self::Int;
     fn choose_int(mask: Self::Mask, a: Self::Int, b: Self::Int) -> Self::Int;
-    fn least(x: Self::Int) -> i32;
     /// The numbers that they are.
     fn to_float(x: Self::Int) -> Self::Float;
     /// The bits of each number, and the number of such bits.
     fn to_bits(x: Self::Float) -> Self::Int;
     fn from_bits(bits: Self::Int) -> Self::Float;
-    /// What two numbers weigh of which the second is so far on, from 0 to 1, that is to be sampled: in parts of [`ONE_WEIGHT`], the first
-    /// one's in the low half.
-    fn weights(part: Self::Float) -> Self::Int;
+    /// What two numbers weigh of which the second weighs so many parts of 2¹⁵: in parts of [`ONE_WEIGHT`], the first one's in the low half.
+    fn weights(second: Self::Int) -> Self::Int;
     /// The sum of a pair's numbers times their weights.
     fn weighed(pairs: Self::Int, weights: Self::Int) -> Self::Float;
-
-    /// What a list has at each place; at others than its own, anything of it. It is not empty.
-    fn look_up(list: &[u16], places: Self::Int) -> Self::Int;
 
     /// The entries of a table at the places of each, all of which it has.
     fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Self::Int) -> [Self::Float; 4];
@@ -141,13 +129,13 @@ pub trait Simd: Sized + 'static {
     /// Four numbers of each, side by side.
     fn side_by_side(of: [Self::Float; 4]) -> [[f32; 4]; RAYS];
 
-    /// Where cells lie of which the nth has its low corner at `cell` along each axis, if all of those that are `inside` are among 4³ of
-    /// stored voxels with such `dims`, and numbers can be taken from registers.
-    fn near(cell: &[Self::Int; 3], inside: Self::Mask, lowest: &[usize; 3], dims: [i32; 3]) -> Option<Near<Self>>;
-    /// The numbers round samples.
-    fn near_pairs(near: &Near<Self>, numbers: &[i16]) -> Pairs<Self>;
-    /// The first three parts of the vectors round samples.
-    fn near_vectors(near: &Near<Self>, vectors: &[[i16; 4]]) -> [Pairs<Self>; 3];
+    /// The numbers of the few voxels of a packet from `corner` on, whose rows and planes are so far apart.
+    fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Self::Few;
+    /// Likewise the first three parts of vectors.
+    fn few_vectors(corner: usize, strides: [usize; 2], vectors: &[[i16; 4]]) -> [Self::Few; 3];
+    /// The numbers round samples, whose cells say which of the few is at their low corner, x fastest, in the low half, and which is next to it along x in
+    /// the high one; of other cells, any.
+    fn take(few: &Self::Few, cells: Self::Int) -> Pairs<Self>;
     /// The numbers round samples; of cells beyond what is stored, any.
     fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self>;
     /// The trilinear samples of the first three parts of vectors, those that are `shown`; of others, any.
@@ -159,10 +147,11 @@ pub trait Simd: Sized + 'static {
     ) -> [Self::Float; 3];
 }
 
-/// What can be done in any way. All of it is to be compiled in place: `#[inline(always)]`, and no closures around operations.
-pub trait Kernel {
-    /// Does it in one.
-    fn run<S: Simd>(self);
+/// What is done in some way, as a function of its own. All of it is to be compiled in place there: `#[inline(always)]`, and no closures around
+/// operations.
+pub trait Kernel<S: Simd> {
+    /// Does it.
+    fn run(self);
 }
 
 /// What an expression is for each of some, as an array. A closure would not do: what it does is compiled for any processor, unless the

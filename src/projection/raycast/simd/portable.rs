@@ -2,10 +2,17 @@
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
-use super::{Apart, Near, ONE_WEIGHT, Pairs, RAYS, Simd, Within};
+use super::{Apart, EDGE, FEW, Kernel, ONE_WEIGHT, Pairs, RAYS, Simd, Within};
 
 /// For any processor.
+#[derive(Clone, Copy)]
 pub struct Portable;
+
+/// For what vectors the processor has.
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+fn run_there<K: Kernel<Portable>>(kernel: K) {
+    kernel.run();
+}
 
 /// Sixteen of anything.
 #[derive(Clone, Copy)]
@@ -119,6 +126,11 @@ impl Simd for Portable {
     type Double = Sixteen<f64>;
     type Mask = Mask;
     type Int = Sixteen<i32>;
+    type Few = [i16; FEW];
+
+    fn run(kernel: impl Kernel<Self>) {
+        run_there(kernel);
+    }
 
     #[inline(always)]
     fn none() -> Mask {
@@ -170,18 +182,8 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn one(x: Self::Int, n: usize) -> i32 {
-        x.0[n]
-    }
-
-    #[inline(always)]
     fn divide(a: Self::Float, b: Self::Float) -> Self::Float {
         a.with(b, |a, b| a / b)
-    }
-
-    #[inline(always)]
-    fn floor(x: Self::Float) -> Self::Float {
-        x.map(f32::floor)
     }
 
     #[inline(always)]
@@ -243,18 +245,8 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn single(x: Self::Double) -> Self::Float {
-        x.map(|x| x as f32)
-    }
-
-    #[inline(always)]
     fn greater_int(a: Self::Int, b: Self::Int) -> Mask {
         a.which(b, |a, b| a > b)
-    }
-
-    #[inline(always)]
-    fn and(a: Self::Int, b: Self::Int) -> Self::Int {
-        a & b
     }
 
     #[inline(always)]
@@ -263,13 +255,13 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int {
-        Sixteen::choose(mask, a, b)
+    fn shift_left(a: Self::Int, by: Self::Int) -> Self::Int {
+        a.with(by, |a, by| a << (by & 31))
     }
 
     #[inline(always)]
-    fn least(x: Self::Int) -> i32 {
-        x.0.into_iter().fold(i32::MAX, i32::min)
+    fn choose_int(mask: Mask, a: Self::Int, b: Self::Int) -> Self::Int {
+        Sixteen::choose(mask, a, b)
     }
 
     #[inline(always)]
@@ -288,8 +280,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn weights(part: Self::Float) -> Self::Int {
-        let second = Self::whole(part * Self::float(-ONE_WEIGHT));
+    fn weights(second: Self::Int) -> Self::Int {
         second.map(|second| (second ^ 0x8000).wrapping_sub(second << 16))
     }
 
@@ -299,11 +290,6 @@ impl Simd for Portable {
             let (first, second) = (pair << 16 >> 16, pair >> 16);
             (first * (weight << 16 >> 16) + second * (weight >> 16)) as f32
         })
-    }
-
-    #[inline(always)]
-    fn look_up(list: &[u16], places: Self::Int) -> Self::Int {
-        places.map(|place| i32::from(list[(place as u32 as usize).min(list.len() - 1)]))
     }
 
     #[inline(always)]
@@ -322,20 +308,39 @@ impl Simd for Portable {
         std::array::from_fn(|n| [a.0[n], b.0[n], c.0[n], d.0[n]])
     }
 
-    /// Nothing is permuted by arrays that is not as well fetched one after another.
     #[inline(always)]
-    fn near(_: &[Self::Int; 3], _: Mask, _: &[usize; 3], _: [i32; 3]) -> Option<Near<Self>> {
-        None
+    fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Self::Few {
+        let mut few = [0; FEW];
+        for (few, row) in few.chunks_exact_mut(EDGE).zip(rows(corner, strides, numbers)) {
+            few.copy_from_slice(row);
+        }
+        few
     }
 
     #[inline(always)]
-    fn near_pairs(_: &Near<Self>, _: &[i16]) -> Pairs<Self> {
-        [Self::int(0); 4]
+    fn few_vectors(corner: usize, strides: [usize; 2], vectors: &[[i16; 4]]) -> [Self::Few; 3] {
+        let mut few = [[0; FEW]; 3];
+        for (n, row) in rows(corner, strides, vectors).enumerate() {
+            for (x, vector) in row.iter().enumerate() {
+                for part in 0..3 {
+                    few[part][EDGE * n + x] = vector[part];
+                }
+            }
+        }
+        few
     }
 
     #[inline(always)]
-    fn near_vectors(_: &Near<Self>, _: &[[i16; 4]]) -> [Pairs<Self>; 3] {
-        [[Self::int(0); 4]; 3]
+    fn take(few: &Self::Few, cells: Self::Int) -> Pairs<Self> {
+        let mut pairs = [[0; RAYS]; 4];
+        for (pair, by) in pairs.iter_mut().zip([0, EDGE, EDGE * EDGE, EDGE * EDGE + EDGE]) {
+            for (pair, cell) in pair.iter_mut().zip(cells.0) {
+                let number = |at: usize| i32::from(few[at % FEW] as u16);
+                let at = cell as u16 as usize + by;
+                *pair = number(at) | number(at + 1) << 16;
+            }
+        }
+        pairs.map(Sixteen)
     }
 
     #[inline(always)]
@@ -414,4 +419,11 @@ fn vector(edges: &[&[[i16; 4]]; 4], at: usize, weights: i32, [ty, tz]: [f32; 2])
 fn edges<T>([row, plane]: [usize; 2], stored: &[T]) -> [&[T]; 4] {
     let cells = stored.len().saturating_sub(row + plane);
     [0, row, plane, row + plane].map(|by| stored.get(by..by + cells).unwrap_or_default())
+}
+
+/// The rows that few voxels are in, from the one at `corner` on.
+#[inline(always)]
+fn rows<T>(corner: usize, [y, z]: [usize; 2], stored: &[T]) -> impl Iterator<Item = &[T]> {
+    let all = &stored[corner..][..(EDGE - 1) * (y + z) + EDGE];
+    (0..EDGE * EDGE).map(move |n| &all[n % EDGE * y + n / EDGE * z..][..EDGE])
 }

@@ -1,0 +1,199 @@
+//! The template of a frame's packets: where samples lie round a packet's low corner.
+//!
+//! *Theory.* Seen in parallel, all blocks of a size cover the same pixels and sampling points but for a displacement, so what they cover is
+//! worked out once (VCSG §3.3.1).
+//! *Changes from the paper.* What is moved is a packet of rays, not a block: at a plane all packets of a frame are alike, wherever they are,
+//! also in perspective, where it is another template at each plane.
+//! *Practice.* Each packet's low corner is in double precision, and all else in whole parts of a voxel counted from there, so that nothing
+//! depends on the block. A cell and the place in it are then bits of the same number.
+
+use super::places::{self, Place};
+use super::rays::Rays;
+use super::simd::{EDGE, RAYS, Simd, Within, each};
+use super::voxels::CastBlock;
+
+/// Bits of the parts of a voxel, if packets are not so large that they need more for whole ones: with parts of 2⁻²⁴ voxel there is room for
+/// packets of 255 voxels.
+const FINEST: u32 = 24;
+
+/// How far apart the rays of a packet may be along any axis, voxels, for all its cells to be among [`EDGE`]³ voxels wherever it is; a little less, for rounding.
+pub const FEW: f64 = (EDGE - 2) as f64 - 1e-3;
+
+/// Vectors along an edge of a packet of `n`: 1 or 2.
+pub const fn side(n: usize) -> usize {
+    if n == 1 { 1 } else { 2 }
+}
+
+/// Pixels along an edge of a packet of `n` vectors.
+pub const fn edge(n: usize) -> usize {
+    EDGE * side(n)
+}
+
+/// The columns and the rows of a vector's rays.
+const WITHIN: [[i32; RAYS]; 2] = {
+    let mut within = [[0; RAYS]; 2];
+    let mut n = 0;
+    while n < RAYS {
+        within[0][n] = (n % EDGE) as i32;
+        within[1][n] = (n / EDGE) as i32;
+        n += 1;
+    }
+    within
+};
+
+/// The samples of any packet at a plane.
+pub struct Template<S: Simd, const N: usize> {
+    plane: i32,
+    /// How far each is from the packet's low corner along each axis, in parts of 2 to the minus `bits` of a voxel.
+    away: [[S::Int; N]; 3],
+    bits: u32,
+    /// How far they are from it at most along each axis.
+    extents: Place,
+}
+
+impl<S: Simd, const N: usize> Template<S, N> {
+    /// At `plane`.
+    #[inline(always)]
+    pub fn new(rays: &Rays, plane: i32) -> Self {
+        let apart = rays.apart(plane);
+        let last = (edge(N) - 1) as i32;
+        let extents = each!(axis of [0, 1, 2] => f64::from(last) * (apart[axis][0].abs() + apart[axis][1].abs()));
+        let extent = extents[0].max(extents[1]).max(extents[2]);
+        let bits = bits(extent);
+        let unit = f64::from(1u32 << bits);
+        let mut away = [[S::int(0); N]; 3];
+        for axis in 0..3 {
+            let lowest = rays.lowest[axis];
+            for (n, away) in away[axis].iter_mut().enumerate() {
+                let first = [n % side(N) * EDGE, n / side(N) * EDGE];
+                for a in 0..2 {
+                    let from_first = S::int(first[a] as i32) + S::ints(WITHIN[a]);
+                    let from_lowest = if lowest[a] {
+                        S::int(last) - from_first
+                    } else {
+                        from_first
+                    };
+                    let pixel = (apart[axis][a].abs() * unit).round() as i32;
+                    *away = *away + from_lowest * S::int(pixel);
+                }
+            }
+        }
+        Self {
+            plane,
+            away,
+            bits,
+            // A little more, for rounding.
+            extents: each!(axis of [0, 1, 2] => places::fixed(extents[axis] + 1e-6)),
+        }
+    }
+
+    /// The one at `plane`, if it is another one.
+    #[inline(always)]
+    pub fn turn_to(&mut self, rays: &Rays, plane: i32) {
+        if !rays.parallel && self.plane != plane {
+            *self = Self::new(rays, plane);
+        }
+    }
+
+    /// Bits behind the point. Packets of several vectors have few voxels, so theirs are the finest.
+    #[inline(always)]
+    fn bits(&self) -> u32 {
+        if N > 1 { FINEST } else { self.bits }
+    }
+
+    /// Moved to a packet whose low corner is `at`, in lattice coordinates: among the voxels of `block`.
+    #[inline(always)]
+    pub fn moved(&self, block: &CastBlock, at: &Place) -> Moved<N> {
+        let mut moved = Moved {
+            first: 0,
+            parts: [0; 3],
+            strides: each!(axis of [0, 1, 2] => block.strides[axis] as usize),
+            few: block.has_few() && self.is_small(at),
+        };
+        for axis in 0..3 {
+            let voxel = ((at[axis] >> places::BITS) as i32).wrapping_sub(block.first[axis]);
+            let part = (at[axis] as u32 >> (places::BITS - self.bits())) as i32;
+            let first = if moved.few() {
+                // The voxels that are read are stored; samples that are not among them are not in the block.
+                voxel.min(block.dims[axis] - EDGE as i32).max(0)
+            } else {
+                voxel
+            };
+            moved.parts[axis] = part.wrapping_add(voxel.wrapping_sub(first).wrapping_shl(self.bits()));
+            moved.first = moved.first.wrapping_add(first.wrapping_mul(block.strides[axis]));
+        }
+        moved
+    }
+
+    /// Whether the cells of a packet whose low corner is there are among [`EDGE`]³ voxels.
+    #[inline(always)]
+    fn is_small(&self, at: &Place) -> bool {
+        const CELLS: i64 = (EDGE as i64 - 1) << places::BITS;
+        let [x, y, z] = each!(axis of [0, 1, 2] => i64::from(at[axis] as u32) + self.extents[axis] < CELLS);
+        x & y & z
+    }
+
+    /// The cells of vector `n` of the packet that is `moved` there, and the places in them; of samples that are not `inside`, any.
+    #[inline(always)]
+    pub fn places(&self, n: usize, moved: &Moved<N>, inside: S::Mask) -> Places<S> {
+        let bits = self.bits() as i32;
+        let at = each!(axis of [0, 1, 2] => self.away[axis][n] + S::int(moved.parts[axis]));
+        let [x, y, z] = each!(axis of [0, 1, 2] => S::shift_right(at[axis], S::int(bits)));
+        // What is behind the point, from the highest bit on.
+        let part = each!(axis of [0, 1, 2] => S::shift_left(at[axis], S::int(32 - bits)));
+        let second = S::shift_right(S::shift_right(part[0], S::int(16)) + S::int(1), S::int(1));
+        let cells = if moved.few() {
+            let cell = x + S::shift_left(y, S::int(2)) + S::shift_left(z, S::int(4));
+            cell + S::shift_left(cell, S::int(16)) + S::int(1 << 16)
+        } else {
+            let [row, plane] = each!(axis of [1, 2] => S::int(moved.strides[axis] as i32));
+            let cell = x * S::int(moved.strides[0] as i32) + y * row + z * plane + S::int(moved.first);
+            S::choose_int(inside, cell, S::int(0))
+        };
+        Places {
+            cells,
+            within: Within {
+                weights: S::weights(second),
+                parts: each!(axis of [1, 2] => {
+                    let part = S::shift_right(part[axis], S::int(32 - FINEST as i32));
+                    S::to_float(part) * S::float(1.0 / (1u32 << FINEST) as f32)
+                }),
+            },
+        }
+    }
+}
+
+/// See [`Template`].
+fn bits(extent: f64) -> u32 {
+    /// Voxels that there is room for beside the finest parts.
+    const ROOM: f64 = 255.0;
+    let more = (extent / ROOM).max(1.0).log2().ceil();
+    FINEST.saturating_sub(more as u32).max(1)
+}
+
+/// A packet's template among a block's voxels.
+pub struct Moved<const N: usize> {
+    /// The stored voxel that cells are counted from.
+    pub first: i32,
+    /// How far the low corner is from it along each axis, in parts of a voxel.
+    parts: [i32; 3],
+    /// How far stored neighbours are apart along each axis.
+    pub strides: [usize; 3],
+    few: bool,
+}
+
+impl<const N: usize> Moved<N> {
+    /// Whether all samples in the block are among [`EDGE`]³ of its voxels. Those of packets of several vectors are.
+    #[inline(always)]
+    pub fn few(&self) -> bool {
+        N > 1 || self.few
+    }
+}
+
+/// Where samples lie among a block's voxels.
+#[derive(Clone, Copy)]
+pub struct Places<S: Simd> {
+    /// Of few voxels see [`Simd::take`], of others the stored voxel at each cell's low corner.
+    pub cells: S::Int,
+    pub within: Within<S>,
+}
