@@ -56,16 +56,23 @@ impl Gaps {
         }
     }
 
-    /// How many cells a packet whose low corner is `low`, in lattice coordinates, can be moved along any axes without that anything of the block shows, and one
-    /// more; 0 if something may show where it is, or if it is beyond all cells.
+    /// How many cells a packet whose low corner is `low` can be moved along any axes without that anything of the block shows, and one
+    /// more; 0 if something may show where it is. Its low corner is among the cells, or no farther before them than a cell is long.
     #[inline(always)]
     pub fn free(&self, low: &Place) -> u8 {
-        let [x, y, z] = each!(axis of [0, 1, 2] => ((low[axis] - self.begin[axis]) >> self.shift) * self.strides[axis]);
-        self.free.get((x + y + z) as usize).copied().unwrap_or(0)
+        let [x, y, z] = each!(axis of [0, 1, 2] => {
+            let cell = low[axis].wrapping_sub(self.begin[axis]) >> self.shift;
+            cell.wrapping_mul(self.strides[axis])
+        });
+        self.free
+            .get(x.wrapping_add(y).wrapping_add(z) as usize)
+            .copied()
+            .unwrap_or(0)
     }
 }
 
-/// How many planes a packet hops where [`Gaps::free`] says so many, at least 1, if it passes a voxel in so many planes; cells have an `edge` of so many voxels.
+/// How many planes a packet hops where [`Gaps::free`] says so many, at least 1, if it passes a voxel in so many planes; cells have an
+/// `edge` of so many voxels.
 pub fn hops(edge: usize, planes_per_voxel: f64) -> [i32; FARTHEST as usize + 1] {
     std::array::from_fn(|free| {
         let voxels = free.saturating_sub(1) * edge;

@@ -8,10 +8,10 @@
 //! template finds where a ray crosses a face from the face's place alone. Two boxes that share a face ask the same question,
 //! so each sampling point is in exactly one of them, at any displacement, parallel or not. A block goes on with what the
 //! blocks before it left of a pixel, so one block or many blend the same numbers in the same order: the bits are the same.
-//! *Practice.* The frame is cut in parts of a few tiles, each the work of one thread, and tiles in packets of 4×4 pixels; of each block the box of what shows
-//! is cast. A packet takes the samples of its rays at a plane together, and hops over planes at which nothing shows, by distances that
-//! are found when the transfer function changes. A ray ends when it is as opaque as where slices close a pixel, and normals are read
-//! where a sample shows.
+//! *Practice.* The frame is cut in parts of a few tiles, each the work of one thread, and tiles in packets of 4×4 pixels, or of 8×8 where
+//! those are not far apart; of each block the box of what shows is cast. All packets are one template, moved. A packet takes the samples
+//! of its rays at a plane together, and hops over planes at which nothing shows, by distances that are found when the transfer function
+//! changes. A ray ends when it is as opaque as where slices close a pixel, and normals are read where a sample shows.
 
 mod blend;
 mod boxes;

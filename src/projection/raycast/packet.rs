@@ -119,12 +119,16 @@ impl<S: Simd, const N: usize> Kernel<S> for March<'_, '_, S, N> {
                     continue;
                 }
             }
+            self.template.turn_to(&self.scene.rays, plane);
+            let moved = self.template.moved(self.block, &low);
+            // What comes next is on its way while this is worked out.
+            let next = self.template.moved(self.block, &stretch.at(plane + 1));
+            next.ask_for::<S>(self.block);
             let Some(inside) = self.packet.inside(self.scene, self.cast_box, plane) else {
                 plane = i32::MAX;
                 break;
             };
-            self.template.turn_to(&self.scene.rays, plane);
-            let bundle = Bundle::new(self.block, self.template, &low, plane, inside, &self.packet.paths);
+            let bundle = Bundle::new(self.block, self.template, moved, plane, inside, &self.packet.paths);
             shows = match self.scene.classifier.samples(&bundle) {
                 Some(samples) => {
                     blend(

@@ -1,7 +1,8 @@
 //! Where packets are, in whole parts of a voxel.
 //!
-//! *Practice.* Whole numbers are soon taken apart into voxels and parts, and nothing in them depends on a block. The line of a packet's low corner is in double precision; a stretch of planes begins where it is, and is gone on from by
-//! whole steps. Stretches are the frame's, so a place is the same in whatever box a packet comes to it.
+//! *Practice.* Whole numbers are soon taken apart into voxels and parts, and nothing in them depends on a block. The line of a packet's
+//! low corner is in double precision; a stretch of planes begins where it is, and goes on by whole steps. Stretches are the frame's,
+//! so a place is the same in whatever box a packet comes to it.
 
 use super::simd::each;
 

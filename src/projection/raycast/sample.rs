@@ -1,10 +1,9 @@
 //! Samples of a block's voxels, a bundle at a time: those of a packet at one plane.
 //!
-//! *Practice.* Where all cells of a bundle are among few voxels, those are read once for all its vectors, and else each cell's own; all else is done for all
-//! samples of a vector before the next. Of a cell's four edges along x
-//! the two ends are weighed in whole numbers, which is one operation of a processor, and what comes of that is interpolated along y and z.
+//! *Practice.* Where all cells of a bundle are among few voxels, those are read once for all its vectors, and else each cell's own; all
+//! else is done for all samples of a vector before the next. Of a cell's four edges along x the two ends are weighed in whole numbers,
+//! which is one operation of a processor, and what comes of that is interpolated along y and z.
 
-use super::places::Place;
 use super::simd::{Apart, Pairs, Simd, each};
 use super::template::{Moved, Places, Template};
 use super::voxels::CastBlock;
@@ -43,17 +42,16 @@ impl<'a, S: Simd> BlockVectors<'a, S> {
 }
 
 impl<'a, S: Simd, const N: usize> Bundle<'a, S, N> {
-    /// The samples of `template` at `plane`, those `inside`, of the packet whose low corner is `at`.
+    /// The samples of `template` at `plane`, those `inside`, of the packet that it is `moved` to.
     #[inline(always)]
     pub fn new(
         block: &'a CastBlock,
         template: &Template<S, N>,
-        at: &Place,
+        moved: Moved<N>,
         plane: i32,
         inside: [S::Mask; N],
         paths: &'a Option<[S::Float; N]>,
     ) -> Self {
-        let moved = template.moved(block, at);
         let mut places = [template.places(0, &moved, inside[0]); N];
         for n in 1..N {
             places[n] = template.places(n, &moved, inside[n]);

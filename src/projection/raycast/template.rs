@@ -16,7 +16,8 @@ use super::voxels::CastBlock;
 /// packets of 255 voxels.
 const FINEST: u32 = 24;
 
-/// How far apart the rays of a packet may be along any axis, voxels, for all its cells to be among [`EDGE`]³ voxels wherever it is; a little less, for rounding.
+/// How far apart the rays of a packet may be along any axis, voxels, for all its cells to be among [`EDGE`]³ voxels wherever it is; a
+/// little less, for rounding.
 pub const FEW: f64 = (EDGE - 2) as f64 - 1e-3;
 
 /// Vectors along an edge of a packet of `n`: 1 or 2.
@@ -47,7 +48,7 @@ pub struct Template<S: Simd, const N: usize> {
     /// How far each is from the packet's low corner along each axis, in parts of 2 to the minus `bits` of a voxel.
     away: [[S::Int; N]; 3],
     bits: u32,
-    /// How far they are from it at most along each axis.
+    /// How far they are from it at most along each axis, and a little more, for rounding; no more than is too far for [`EDGE`]³ voxels.
     extents: Place,
 }
 
@@ -58,8 +59,7 @@ impl<S: Simd, const N: usize> Template<S, N> {
         let apart = rays.apart(plane);
         let last = (edge(N) - 1) as i32;
         let extents = each!(axis of [0, 1, 2] => f64::from(last) * (apart[axis][0].abs() + apart[axis][1].abs()));
-        let extent = extents[0].max(extents[1]).max(extents[2]);
-        let bits = bits(extent);
+        let bits = bits(extents[0].max(extents[1]).max(extents[2]));
         let unit = f64::from(1u32 << bits);
         let mut away = [[S::int(0); N]; 3];
         for axis in 0..3 {
@@ -82,8 +82,7 @@ impl<S: Simd, const N: usize> Template<S, N> {
             plane,
             away,
             bits,
-            // A little more, for rounding.
-            extents: each!(axis of [0, 1, 2] => places::fixed(extents[axis] + 1e-6)),
+            extents: each!(axis of [0, 1, 2] => places::fixed((extents[axis] + 1e-6).min(EDGE as f64))),
         }
     }
 
@@ -141,6 +140,7 @@ impl<S: Simd, const N: usize> Template<S, N> {
         let [x, y, z] = each!(axis of [0, 1, 2] => S::shift_right(at[axis], S::int(bits)));
         // What is behind the point, from the highest bit on.
         let part = each!(axis of [0, 1, 2] => S::shift_left(at[axis], S::int(32 - bits)));
+        // The nearest of 2^15 parts.
         let second = S::shift_right(S::shift_right(part[0], S::int(16)) + S::int(1), S::int(1));
         let cells = if moved.few() {
             let cell = x + S::shift_left(y, S::int(2)) + S::shift_left(z, S::int(4));
@@ -187,6 +187,18 @@ impl<const N: usize> Moved<N> {
     #[inline(always)]
     pub fn few(&self) -> bool {
         N > 1 || self.few
+    }
+
+    /// Says that what is stored of `block` there will soon be read.
+    #[inline(always)]
+    pub fn ask_for<S: Simd>(&self, block: &CastBlock) {
+        if self.few() {
+            let strides = [self.strides[1], self.strides[2]];
+            S::ask_for(self.first as usize, strides, &block.weighted);
+            if !block.normals.is_empty() {
+                S::ask_for(self.first as usize, strides, &block.normals);
+            }
+        }
     }
 }
 

@@ -232,6 +232,16 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn ask_for<T>(corner: usize, [y, z]: [usize; 2], stored: &[T]) {
+        let first = stored.as_ptr().wrapping_add(corner);
+        for row in 0..EDGE * EDGE {
+            let row = first.wrapping_add(row % EDGE * y + row / EDGE * z);
+            // SAFETY: nothing is read, so any place can be asked for; the processor has SSE.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(row.cast()) };
+        }
+    }
+
+    #[inline(always)]
     fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Few {
         let rows = rows(corner, strides, numbers);
         // SAFETY: each row is four numbers, eight bytes; the processor has AVX-512.

@@ -129,6 +129,8 @@ pub trait Simd: Copy + 'static {
     /// Four numbers of each, side by side.
     fn side_by_side(of: [Self::Float; 4]) -> [[f32; 4]; RAYS];
 
+    /// Says that the few voxels of a packet from `corner` on, whose rows and planes are so far apart, will soon be read, if that can be said.
+    fn ask_for<T>(corner: usize, strides: [usize; 2], stored: &[T]);
     /// The numbers of the few voxels of a packet from `corner` on, whose rows and planes are so far apart.
     fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Self::Few;
     /// Likewise the first three parts of vectors.
