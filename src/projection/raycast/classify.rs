@@ -76,11 +76,7 @@ impl Classifier {
             let may_show = if self.slab_units.is_some() {
                 S::greater(samples.weighted[n], S::float(0.0))
             } else {
-                let coverage = match &samples.coverage {
-                    Some(coverage) => Some(coverage[n]),
-                    None => None,
-                };
-                let entries = self.entries::<S>(samples.weighted[n], coverage);
+                let entries = self.entries::<S, N>(samples.weighted[n], &samples.coverage, n);
                 samples.entries[n] = entries;
                 !(S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1])))
             };
@@ -167,15 +163,20 @@ impl Classifier {
         (S::bits(S::greater(sources[3], S::float(0.0))) != 0).then_some(sources)
     }
 
-    /// The table's entry for each sample.
+    /// The table's entry for each sample of vector `n`.
     #[inline(always)]
-    fn entries<S: Simd>(&self, weighted: S::Float, coverage: Option<S::Float>) -> S::Int {
+    fn entries<S: Simd, const N: usize>(
+        &self,
+        weighted: S::Float,
+        coverage: &Option<[S::Float; N]>,
+        n: usize,
+    ) -> S::Int {
         const LAST: f32 = (TransferTable::LEN - 1) as f32;
         S::whole(match coverage {
             None => weighted * S::float(LAST / ONE),
             // Where nothing is covered the quotient is any number, and its colour weighs nothing.
             Some(coverage) => {
-                let value = S::divide(weighted, larger::<S>(coverage, S::float(f32::MIN_POSITIVE)));
+                let value = S::divide(weighted, larger::<S>(coverage[n], S::float(f32::MIN_POSITIVE)));
                 smaller::<S>(value, S::float(1.0)) * S::float(LAST)
             }
         })

@@ -72,12 +72,12 @@ impl<'a, S: Simd, const N: usize> Bundle<'a, S, N> {
         let mut all = [S::float(0.0); N];
         if self.moved.few() {
             let few = S::few(self.moved.first as usize, self.strides(), numbers);
-            for n in 0..N {
-                all[n] = self.interpolate(n, S::take(&few, self.places[n].cells));
+            for (n, sample) in all.iter_mut().enumerate() {
+                *sample = self.interpolate(n, S::take(&few, self.places[n].cells));
             }
         } else {
-            for n in 0..N {
-                all[n] = self.interpolate(n, S::apart_pairs(&self.apart(n), numbers));
+            for (n, sample) in all.iter_mut().enumerate() {
+                *sample = self.interpolate(n, S::apart_pairs(&self.apart(n), numbers));
             }
         }
         all

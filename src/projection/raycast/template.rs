@@ -109,9 +109,9 @@ impl<S: Simd, const N: usize> Template<S, N> {
             strides: each!(axis of [0, 1, 2] => block.strides[axis] as usize),
             few: block.has_few() && self.is_small(at),
         };
-        for axis in 0..3 {
-            let voxel = ((at[axis] >> places::BITS) as i32).wrapping_sub(block.first[axis]);
-            let part = (at[axis] as u32 >> (places::BITS - self.bits())) as i32;
+        for (axis, &at) in at.iter().enumerate() {
+            let voxel = ((at >> places::BITS) as i32).wrapping_sub(block.first[axis]);
+            let part = (at as u32 >> (places::BITS - self.bits())) as i32;
             let first = if moved.few() {
                 // The voxels that are read are stored; samples that are not among them are not in the block.
                 voxel.min(block.dims[axis] - EDGE as i32).max(0)
