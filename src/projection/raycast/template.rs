@@ -119,7 +119,7 @@ impl<S: Simd, const N: usize> Template<S, N> {
                 voxel
             };
             moved.parts[axis] = part.wrapping_add(voxel.wrapping_sub(first).wrapping_shl(self.bits()));
-            moved.first = moved.first.wrapping_add(first.wrapping_mul(block.strides[axis]));
+            moved.first += i64::from(first) * i64::from(block.strides[axis]);
         }
         moved
     }
@@ -147,7 +147,7 @@ impl<S: Simd, const N: usize> Template<S, N> {
             cell + S::shift_left(cell, S::int(16)) + S::int(1 << 16)
         } else {
             let [row, plane] = each!(axis of [1, 2] => S::int(moved.strides[axis] as i32));
-            let cell = x * S::int(moved.strides[0] as i32) + y * row + z * plane + S::int(moved.first);
+            let cell = x * S::int(moved.strides[0] as i32) + y * row + z * plane + S::int(moved.first as i32);
             S::choose_int(inside, cell, S::int(0))
         };
         Places {
@@ -174,7 +174,7 @@ fn bits(extent: f64) -> u32 {
 /// A packet's template among a block's voxels.
 pub struct Moved<const N: usize> {
     /// The stored voxel that cells are counted from.
-    pub first: i32,
+    pub first: i64,
     /// How far the low corner is from it along each axis, in parts of a voxel.
     parts: [i32; 3],
     /// How far stored neighbours are apart along each axis.

@@ -13,10 +13,10 @@ use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 pub use avx512::Avx512;
 pub use portable::Portable;
 
-/// Pixels along an edge of a packet's square.
+/// Pixels along an edge of a vector's square.
 pub const EDGE: usize = 4;
 
-/// Rays of a packet, row by row, and samples of a bundle.
+/// Rays of a vector, row by row.
 pub const RAYS: usize = EDGE * EDGE;
 
 /// Voxels of a packet whose voxels are few: [`EDGE`] along each axis.
