@@ -16,7 +16,7 @@ pub fn under<S: Simd>(blending: Blending, pixels: &mut Colours<S>, sources: &Col
     // How much of what is behind each pixel shows.
     let through = S::float(1.0) - pixels[3];
     *pixels = match blending {
-        Blending::Over => each!(c of [0, 1, 2, 3] => pixels[c] + through * sources[c]),
+        Blending::Over => each!(c of [0, 1, 2, 3] => S::mul_add(through, sources[c], pixels[c])),
         Blending::Add => each!(c of [0, 1, 2, 3] => pixels[c] + sources[c]),
         Blending::Max => each!(c of [0, 1, 2, 3] => larger::<S>(sources[c], pixels[c])),
     };

@@ -5,9 +5,11 @@ use rayon::prelude::*;
 use super::boxes;
 use super::classify::Classifier;
 use super::gaps::{MARGIN, hops};
+use super::kind::{Any, Few, FewPlain, Plain};
 use super::light::Cue;
 use super::rays::{Depths, Rays};
 use super::shown::edge_for;
+use super::simd::{EDGE, RAYS};
 use super::template::FEW;
 use super::tile::{self, Cast, Scene, tile};
 use super::voxels::{CastBlock, CastTarget};
@@ -87,14 +89,29 @@ pub fn accumulate(
     accumulate_by(&BY_WIDEST, spec, target, depths, surfaces_mm)
 }
 
-/// Ways to cast a tile: in packets of one vector, and of four.
-type Casts = [Cast; 2];
+/// Ways to cast a tile of each kind, of any frames and of plain ones: in packets of one vector, of one that has few voxels, and of four.
+type Casts = [[Cast; 3]; 2];
 
-const BY_WIDEST: Casts = [tile::by_widest::<1>, tile::by_widest::<4>];
-const BY_ARRAYS: Casts = [tile::by_arrays::<1>, tile::by_arrays::<4>];
+const BY_WIDEST: Casts = [
+    [
+        tile::by_widest::<Any, 1>,
+        tile::by_widest::<Few, 1>,
+        tile::by_widest::<Few, 4>,
+    ],
+    [
+        tile::by_widest::<Plain, 1>,
+        tile::by_widest::<FewPlain, 1>,
+        tile::by_widest::<FewPlain, 4>,
+    ],
+];
+const BY_ARRAYS: Casts = [[
+    tile::by_arrays::<Any, 1>,
+    tile::by_arrays::<Any, 1>,
+    tile::by_arrays::<Few, 4>,
+]; 2];
 
 fn accumulate_by(
-    [by_one, by_four]: &Casts,
+    casts: &Casts,
     spec: &FrameSpec,
     target: &CastTarget,
     depths: &Depths,
@@ -116,16 +133,21 @@ fn accumulate_by(
     let parallel = matches!(spec.camera.lens, Lens::Orthographic { .. });
     // Packets are as large as they may be for their voxels to be few.
     let all_have_few = target.blocks.iter().all(CastBlock::has_few);
-    let (cast, tile, extent) = match rays.packet_extent::<4>() {
-        extent if all_have_few && extent <= FEW => (by_four, tile(4), extent),
-        _ => (by_one, tile(1), rays.packet_extent::<1>()),
+    let extents = [rays.packet_extent::<1>(), rays.packet_extent::<4>()];
+    let (size, tile, extent) = match extents {
+        [_, extent] if all_have_few && extent <= FEW => (2, tile(4), extent),
+        [extent, _] => (usize::from(all_have_few && extent <= FEW), tile(1), extent),
     };
     let cell = edge_for(extent + 4.0 * MARGIN);
     let shown = target.shown(spec, cell);
+    let classifier = Classifier::new(spec, &shown.table, Cue::new(&spec.settings.depth_cue, depths, &rays));
+    let all_covered = target.blocks.iter().all(|block| block.coverage.is_empty());
+    let is_plain = parallel && all_covered && classifier.is_plain();
+    let cast = casts[usize::from(is_plain)][size];
     let scene = Scene {
         target,
         boxes: &boxes::front_to_back(spec, &shown.blocks),
-        classifier: Classifier::new(spec, &shown.table, Cue::new(&spec.settings.depth_cue, depths, &rays)),
+        classifier,
         hops: hops(
             cell,
             rays.planes_per_voxel([width, height].map(|n| n.next_multiple_of(tile as u32))),
@@ -138,7 +160,7 @@ fn accumulate_by(
     let mut frame = Frame::transparent(width, height);
     // A few tiles are soon done, so that no thread waits long for another's last.
     let parts = parts(&mut frame, tile).into_par_iter().with_max_len(1);
-    parts.for_each(|part| part.cast(tile, *cast, &scene));
+    parts.for_each(|part| part.cast(tile, cast, &scene));
     Ok(frame)
 }
 
@@ -177,13 +199,21 @@ impl Part<'_> {
     fn cast(mut self, tile: usize, cast: Cast, scene: &Scene) {
         let [left, top] = self.first;
         for column in (0..self.rows[0].len()).step_by(tile) {
-            cast(scene, [left + column as u32, top], &mut |[x, y], pixels| {
-                let row = self.rows.get_mut((y - top) as usize);
-                if let Some(rest) = row.and_then(|row| row.get_mut((x - left) as usize..)) {
-                    let count = rest.len().min(pixels.len());
-                    rest[..count].copy_from_slice(&pixels[..count]);
-                }
+            cast(scene, [left + column as u32, top], &mut |[x, y], square| {
+                self.write([(x - left) as usize, (y - top) as usize], square);
             });
+        }
+    }
+
+    /// Writes what of a square of pixels is in it, the first one in this column and row.
+    fn write(&mut self, [column, row]: [usize; 2], square: &[[f32; 4]; RAYS]) {
+        let rows = self.rows.iter_mut().skip(row);
+        for (row, pixels) in rows.zip(square.as_chunks::<EDGE>().0) {
+            let rest = row.get_mut(column..).unwrap_or_default();
+            match rest.first_chunk_mut::<EDGE>() {
+                Some(whole) => *whole = *pixels,
+                None => rest.copy_from_slice(&pixels[..rest.len()]),
+            }
         }
     }
 }

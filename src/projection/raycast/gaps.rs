@@ -19,20 +19,20 @@ pub const MARGIN: f64 = 0.01;
 
 /// The cells of a block by what shows of them and of their neighbours.
 pub struct Gaps {
-    /// The low corner of the first cell, in lattice coordinates.
+    /// The low corner of the first cell, counted from the block's first stored voxel.
     begin: Place,
     /// Bits of a place behind the number of its cell.
     shift: u32,
-    /// How far apart neighbours are along each axis.
-    strides: [i64; 3],
+    /// How far apart rows and planes of cells are.
+    strides: [i64; 2],
     /// How many cells the box of eight that begins at each cell can be moved along any axes without that anything shows in it, and one
     /// more; 0 if something does. There is a cell more on each side, of which nothing shows.
     free: Vec<u8>,
 }
 
 impl Gaps {
-    /// Those of `cells`, whose block's first stored voxel is the lattice's `first`.
-    pub fn new(cells: &Cells, first: DVec3) -> Self {
+    /// Those of `cells`.
+    pub fn new(cells: &Cells) -> Self {
         let edge = cells.edge as f64;
         let dims = cells.dims.map(|n| n + 2);
         let mut shown = vec![0; dims.iter().product()];
@@ -47,11 +47,11 @@ impl Gaps {
             spread(&mut shown, dims, axis, |here, next| here | next, |here, _| here);
         }
         Self {
-            begin: (cells.begin + first + DVec3::splat(MARGIN - edge))
+            begin: (cells.begin + DVec3::splat(MARGIN - edge))
                 .to_array()
                 .map(places::fixed),
             shift: places::BITS + cells.edge.ilog2(),
-            strides: [1, dims[0], dims[0] * dims[1]].map(|n| n as i64),
+            strides: [dims[0], dims[0] * dims[1]].map(|n| n as i64),
             free: free(shown, dims),
         }
     }
@@ -61,13 +61,11 @@ impl Gaps {
     #[inline(always)]
     pub fn free(&self, low: &Place) -> u8 {
         let [x, y, z] = each!(axis of [0, 1, 2] => {
-            let cell = low[axis].wrapping_sub(self.begin[axis]) >> self.shift;
-            cell.wrapping_mul(self.strides[axis])
+            low[axis].wrapping_sub(self.begin[axis]) >> self.shift
         });
-        self.free
-            .get(x.wrapping_add(y).wrapping_add(z) as usize)
-            .copied()
-            .unwrap_or(0)
+        let [row, plane] = self.strides;
+        let cell = x.wrapping_add(y.wrapping_mul(row)).wrapping_add(z.wrapping_mul(plane));
+        self.free.get(cell as usize).copied().unwrap_or(0)
     }
 }
 
@@ -163,21 +161,19 @@ mod tests {
         #[test]
         fn what_is_free_shows_nothing(
             cells in cells(),
-            first in prop::array::uniform3(-9i32..9),
             at in prop::array::uniform3(0.0f64..1.0),
             before in prop::array::uniform3(prop::bool::weighted(0.2)),
             extent in prop::array::uniform3(0.0f64..0.99),
             moved in prop::array::uniform3(-1.0f64..=1.0),
         ) {
-            let first = DVec3::from_array(first.map(f64::from));
-            let gaps = Gaps::new(&cells, first);
+            let gaps = Gaps::new(&cells);
             let edge = cells.edge as f64;
             // Among the cells, or up to one before them.
             let low: [f64; 3] = std::array::from_fn(|a| {
                 let cells_on = if before[a] { -at[a] } else { at[a] * cells.dims[a] as f64 };
                 cells.begin[a] + cells_on * edge
             });
-            let free = gaps.free(&std::array::from_fn(|a| places::fixed(low[a] + first[a])));
+            let free = gaps.free(&std::array::from_fn(|a| places::fixed(low[a])));
             let extents = edge - 2.0 * MARGIN;
             let high = std::array::from_fn(|a| low[a] + extent[a] * extents);
             if free > 0 {

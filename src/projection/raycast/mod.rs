@@ -18,6 +18,7 @@ mod boxes;
 mod caster;
 mod classify;
 mod gaps;
+mod kind;
 mod levels;
 mod light;
 mod normals;

@@ -4,69 +4,139 @@ use std::ops::Range;
 
 use super::blend::{self, Colours};
 use super::boxes::CastBox;
-use super::classify::Samples;
-use super::places::Stretch;
+use super::classify::{Classifier, Samples};
+use super::kind::Kind;
+use super::places::{Place, Way};
 use super::rays::{Intervals, PacketRays};
 use super::sample::{BlockVectors, Bundle};
-use super::simd::{EDGE, Kernel, Simd};
-use super::template::{Template, side};
-use super::tile::{Scene, pixel};
-use super::voxels::CastBlock;
+use super::simd::{EDGE, Kernel, RAYS, Simd};
+use super::spans::PACKETS;
+use super::template::{Template, edge, side, voxel};
+use super::tile::{Scene, Squares};
+use super::voxels::Voxels;
+use crate::projection::composite::Blending;
 
-/// The rays of a square of pixels, those beyond the frame too, in `N` vectors.
-pub struct Packet<S: Simd, const N: usize> {
-    /// What has been blended so far.
-    pub pixels: [Colours<S>; N],
+/// The packets of a tile, row by row, each in `N` vectors: the rays of squares of pixels, those beyond the frame too.
+///
+/// What all frames need lies together, what only some do apart from it.
+pub struct Packets<S: Simd, const N: usize> {
+    /// The tile's first pixel.
+    first: [u32; 2],
+    /// A bit for each that has met a box.
+    begun: u16,
+    /// See [`Packet`].
+    lows: [Low; COUNT],
+    pixels: [[Colours<S>; N]; COUNT],
+    open: [[S::Mask; N]; COUNT],
+    paths: [Option<[S::Float; N]>; COUNT],
+    stops: [Option<[S::Int; N]>; COUNT],
+    covered: [Option<[Intervals<S>; N]>; COUNT],
+}
+
+/// Packets of a tile.
+pub const COUNT: usize = PACKETS * PACKETS;
+
+/// Where the low corner of a packet is at plane 0 along each axis, in lattice coordinates, and the way from plane to plane.
+type Low = [[f64; 2]; 3];
+
+/// One of the packets of a tile, and a box that is being cast.
+pub struct Packet<'a, S: Simd, const N: usize> {
     /// Its first pixel.
     first: [u32; 2],
-    /// Its low corner at plane 0 along each axis, in lattice coordinates, and the way from plane to plane.
-    low: [[f64; 2]; 3],
-    /// Millimetres of each ray a millimetre of depth, if not all are 1.
-    paths: Option<[S::Float; N]>,
+    low: &'a Low,
+    /// What has been blended so far.
+    pixels: &'a mut [Colours<S>; N],
     /// The pixels that do not hide yet what is behind.
-    open: [S::Mask; N],
+    open: &'a mut [S::Mask; N],
+    /// Millimetres of each ray a millimetre of depth, if not all are 1.
+    paths: &'a Option<[S::Float; N]>,
     /// The first plane of each pixel that a surface hides, if there are any.
-    stops: Option<[S::Int; N]>,
-    /// Planes at which all rays are in the box that is being cast.
+    stops: &'a Option<[S::Int; N]>,
+    /// The covered sampling points of the box, if they have been asked for.
+    covered: &'a mut Option<[Intervals<S>; N]>,
+    /// Planes at which all rays are in the box.
     whole: Range<i32>,
-    /// The covered sampling points of that box, if they have been asked for.
-    covered: Option<[Intervals<S>; N]>,
 }
 
 /// The first pixel of vector `n` of the packet of `N` that begins at `first`.
-pub fn first_of<const N: usize>([x, y]: [u32; 2], n: usize) -> [u32; 2] {
+#[inline(always)]
+fn first_of<const N: usize>([x, y]: [u32; 2], n: usize) -> [u32; 2] {
     [x + (n % side(N) * EDGE) as u32, y + (n / side(N) * EDGE) as u32]
 }
 
-impl<S: Simd, const N: usize> Packet<S, N> {
-    /// The packet whose first pixel is `first`.
+impl<S: Simd, const N: usize> Packets<S, N> {
+    /// Those of the tile that begins at pixel `first`; none has met a box.
     #[inline(always)]
-    pub fn new(scene: &Scene, first: [u32; 2]) -> Self {
+    pub fn new(first: [u32; 2]) -> Self {
         Self {
-            pixels: [[S::float(0.0); 4]; N],
             first,
-            low: scene.rays.low::<N>(first),
-            paths: paths::<S, N>(scene, first),
-            open: [!S::none(); N],
-            stops: stops::<S, N>(scene, first),
-            whole: 0..0,
-            covered: None,
+            begun: 0,
+            lows: [[[0.0; 2]; 3]; COUNT],
+            pixels: [[[S::float(0.0); 4]; N]; COUNT],
+            open: [[!S::none(); N]; COUNT],
+            paths: [const { None }; COUNT],
+            stops: [const { None }; COUNT],
+            covered: [const { None }; COUNT],
         }
     }
 
-    /// Turns to a box that all its rays are in at planes `whole`.
+    /// Turns to another box.
     #[inline(always)]
-    pub fn enter(&mut self, whole: Range<i32>) {
-        self.whole = whole;
-        self.covered = None;
+    pub fn turn(&mut self) {
+        self.covered = [const { None }; COUNT];
     }
 
+    /// The nth, all of its rays in the box at planes `whole`.
+    #[inline(always)]
+    pub fn packet(&mut self, scene: &Scene, n: usize, whole: Range<i32>) -> Packet<'_, S, N> {
+        let first = self.first_of(n);
+        if self.begun >> n & 1 == 0 {
+            self.begun |= 1 << n;
+            self.lows[n] = scene.rays.low::<N>(first);
+            if let Some(paths) = scene.paths {
+                self.paths[n] = Some(of_pixels(first, |pixel| S::floats(each_ray(pixel, paths))));
+            }
+            if let Some(stops) = scene.stops {
+                self.stops[n] = Some(of_pixels(first, |pixel| S::ints(each_ray(pixel, stops))));
+            }
+        }
+        Packet {
+            first,
+            low: &self.lows[n],
+            pixels: &mut self.pixels[n],
+            open: &mut self.open[n],
+            paths: &self.paths[n],
+            stops: &self.stops[n],
+            covered: &mut self.covered[n],
+            whole,
+        }
+    }
+
+    /// The first pixel of the nth.
+    #[inline(always)]
+    fn first_of(&self, n: usize) -> [u32; 2] {
+        let [x, y] = self.first;
+        [x + (n % PACKETS * edge(N)) as u32, y + (n / PACKETS * edge(N)) as u32]
+    }
+
+    /// Hands on the pixels of those that have met a box.
+    #[inline(always)]
+    pub fn hand_on(&self, squares: Squares) {
+        for n in (0..COUNT).filter(|n| self.begun >> n & 1 == 1) {
+            for (vector, pixels) in self.pixels[n].iter().enumerate() {
+                squares(first_of::<N>(self.first_of(n), vector), &S::side_by_side(*pixels));
+            }
+        }
+    }
+}
+
+impl<S: Simd, const N: usize> Packet<'_, S, N> {
     /// Which points at a plane are in the box, and seen; `None` if none is, nor any behind them.
     #[inline(always)]
     fn inside(&mut self, scene: &Scene, cast_box: &CastBox, plane: i32) -> Option<[S::Mask; N]> {
         let plane_of_each = S::int(plane);
-        let (mut inside, mut left) = (self.open, 0);
-        if let Some(stops) = &self.stops {
+        let (mut inside, mut left) = (*self.open, 0);
+        if let Some(stops) = self.stops {
             for n in 0..N {
                 inside[n] = inside[n] & S::greater_int(stops[n], plane_of_each);
             }
@@ -76,10 +146,15 @@ impl<S: Simd, const N: usize> Packet<S, N> {
                 left |= S::bits(*inside);
             }
         } else {
-            let covered = match &self.covered {
-                Some(covered) => covered,
-                None => self.covered.insert(covered::<S, N>(scene, self.first, cast_box)),
-            };
+            if self.covered.is_none() {
+                S::run(Cover {
+                    scene,
+                    first: self.first,
+                    cast_box,
+                    covered: self.covered,
+                });
+            }
+            let covered = self.covered.as_ref()?;
             for n in 0..N {
                 let before_end = inside[n] & S::greater_int(covered[n].end, plane_of_each);
                 left |= S::bits(before_end);
@@ -91,50 +166,54 @@ impl<S: Simd, const N: usize> Packet<S, N> {
 }
 
 /// A packet on its way through a box: those points in it that are at planes of one [stretch](super::places) where something may show.
-pub struct March<'a, 'b, S: Simd, const N: usize> {
-    pub packet: &'a mut Packet<S, N>,
+pub struct March<'a, 'b, S: Simd, K: Kind, const N: usize> {
+    pub packet: Packet<'a, S, N>,
     pub scene: &'a Scene<'b>,
-    pub block: &'a CastBlock,
+    pub voxels: &'a Voxels<'a>,
     pub cast_box: &'a CastBox<'b>,
-    pub template: &'a mut Template<S, N>,
+    pub template: &'a mut Template<S, K, N>,
     /// The first plane; when it is done, the next one to go on with.
     pub next: &'a mut i32,
     /// The first plane that is not asked for.
     pub end: i32,
 }
 
-impl<S: Simd, const N: usize> Kernel<S> for March<'_, '_, S, N> {
+impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
     #[inline(always)]
-    fn run(self) {
+    fn run(mut self) {
         let mut plane = *self.next;
-        let stretch = Stretch::new(&self.packet.low, plane);
+        let mut way = Way::new(self.packet.low, plane, &self.voxels.first);
         let mut shows = false;
         while plane < self.end {
-            let low = stretch.at(plane);
             // Behind what shows, most often something shows.
             if !shows {
-                let free = self.cast_box.shown.gaps.free(&low);
+                let free = self.cast_box.shown.gaps.free(&way.at);
                 if free > 0 {
-                    plane += self.scene.hops[usize::from(free)];
+                    let planes = self.scene.hops[usize::from(free)];
+                    plane += planes;
+                    way.go_on(planes);
                     continue;
                 }
             }
             self.template.turn_to(&self.scene.rays, plane);
-            let moved = self.template.moved(self.block, &low);
-            // What comes next is on its way while this is worked out.
-            let next = self.template.moved(self.block, &stretch.at(plane + 1));
-            next.ask_for::<S>(self.block);
+            let moved = self.template.moved(self.voxels, &way.at);
+            way.go_on(1);
+            if K::FEW || moved.few {
+                // What comes next is on its way while this is worked out.
+                ask_for::<S>(self.voxels, &way.at);
+            }
             let Some(inside) = self.packet.inside(self.scene, self.cast_box, plane) else {
                 plane = i32::MAX;
                 break;
             };
-            let bundle = Bundle::new(self.block, self.template, moved, plane, inside, &self.packet.paths);
+            let bundle = Bundle::new(self.voxels, self.template, moved, plane, inside, self.packet.paths);
             shows = match self.scene.classifier.samples(&bundle) {
                 Some(samples) => {
+                    let blending = if K::PLAIN { Blending::Over } else { self.scene.blending };
                     blend(
-                        &mut self.packet.pixels,
-                        &mut self.packet.open,
-                        self.scene,
+                        self.packet.pixels,
+                        self.packet.open,
+                        (&self.scene.classifier, blending),
                         &bundle,
                         &samples,
                     );
@@ -148,21 +227,46 @@ impl<S: Simd, const N: usize> Kernel<S> for March<'_, '_, S, N> {
     }
 }
 
+/// Says that few voxels round a packet will soon be read.
+#[inline(always)]
+fn ask_for<S: Simd>(voxels: &Voxels, at: &Place) {
+    let first = voxels.index(voxel(at)) as usize;
+    S::ask_for(first, voxels.strides, voxels.weighted);
+    if !voxels.normals.is_empty() {
+        S::ask_for(first, voxels.strides, voxels.normals);
+    }
+}
+
 /// Goes on with the samples of a bundle.
 #[inline(always)]
-fn blend<S: Simd, const N: usize>(
+fn blend<S: Simd, K: Kind, const N: usize>(
     pixels: &mut [Colours<S>; N],
     open: &mut [S::Mask; N],
-    scene: &Scene,
-    bundle: &Bundle<S, N>,
+    (classifier, blending): (&Classifier, Blending),
+    bundle: &Bundle<S, K, N>,
     samples: &Samples<S, N>,
 ) {
-    let mut vectors = BlockVectors::of(bundle.block);
+    let mut vectors = BlockVectors::of(bundle.voxels);
     for n in 0..N {
-        if let Some(sources) = scene.classifier.sources(bundle, n, samples, &mut vectors) {
-            blend::under::<S>(scene.blending, &mut pixels[n], &sources);
-            open[n] = open[n] & !blend::hidden::<S>(scene.blending, &pixels[n]);
+        if let Some(sources) = classifier.sources(bundle, n, samples, &mut vectors) {
+            blend::under::<S>(blending, &mut pixels[n], &sources);
+            open[n] = open[n] & !blend::hidden::<S>(blending, &pixels[n]);
         }
+    }
+}
+
+/// The covered sampling points of a box, asked for by itself: few packets are cut.
+struct Cover<'a, 'b, S: Simd, const N: usize> {
+    scene: &'a Scene<'b>,
+    first: [u32; 2],
+    cast_box: &'a CastBox<'b>,
+    covered: &'a mut Option<[Intervals<S>; N]>,
+}
+
+impl<S: Simd, const N: usize> Kernel<S> for Cover<'_, '_, S, N> {
+    #[inline(always)]
+    fn run(self) {
+        *self.covered = Some(covered::<S, N>(self.scene, self.first, self.cast_box));
     }
 }
 
@@ -181,24 +285,18 @@ fn covered<S: Simd, const N: usize>(scene: &Scene, first: [u32; 2], cast_box: &C
     all
 }
 
-/// See [`Scene::paths`].
+/// What `f` makes of the first pixel of each vector of a packet.
 #[inline(always)]
-fn paths<S: Simd, const N: usize>(scene: &Scene, first: [u32; 2]) -> Option<[S::Float; N]> {
-    let paths = scene.paths?;
-    let mut all = [S::float(1.0); N];
-    for (n, of) in all.iter_mut().enumerate() {
-        *of = S::floats(std::array::from_fn(|ray| paths(pixel(first_of::<N>(first, n), ray))));
+fn of_pixels<T: Copy, const N: usize>(first: [u32; 2], f: impl Fn([u32; 2]) -> T) -> [T; N] {
+    let mut all = [f(first); N];
+    for (n, of) in all.iter_mut().enumerate().skip(1) {
+        *of = f(first_of::<N>(first, n));
     }
-    Some(all)
+    all
 }
 
-/// See [`Scene::stops`].
+/// What `f` makes of each pixel of the vector that begins at `first`.
 #[inline(always)]
-fn stops<S: Simd, const N: usize>(scene: &Scene, first: [u32; 2]) -> Option<[S::Int; N]> {
-    let stops = scene.stops?;
-    let mut all = [S::int(0); N];
-    for (n, of) in all.iter_mut().enumerate() {
-        *of = S::ints(std::array::from_fn(|ray| stops(pixel(first_of::<N>(first, n), ray))));
-    }
-    Some(all)
+fn each_ray<T>(first: [u32; 2], f: &dyn Fn([u32; 2]) -> T) -> [T; RAYS] {
+    std::array::from_fn(|ray| f([first[0] + (ray % EDGE) as u32, first[1] + (ray / EDGE) as u32]))
 }

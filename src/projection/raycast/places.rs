@@ -10,9 +10,9 @@ use super::simd::each;
 pub const BITS: u32 = 32;
 
 /// Planes of a stretch.
-pub const STRETCH: i32 = 32;
+pub const STRETCH: i32 = 128;
 
-/// A place in lattice coordinates, in parts of 2⁻³² voxel.
+/// A place counted from a lattice's first voxel, or from another, in parts of 2⁻³² voxel.
 pub type Place = [i64; 3];
 
 /// A coordinate, rounded down.
@@ -21,29 +21,32 @@ pub fn fixed(coordinate: f64) -> i64 {
     (coordinate * (1u64 << BITS) as f64).floor() as i64
 }
 
-/// The low corner of a packet from the first plane of a stretch on.
-pub struct Stretch {
-    first: i32,
-    from: Place,
+/// The low corner of a packet on its way from plane to plane, counted from a voxel.
+pub struct Way {
+    pub at: Place,
     step: Place,
 }
 
-impl Stretch {
-    /// The one that `plane` is in, of a line that is at `line[axis][0] + k·line[axis][1]` at plane `k`.
+impl Way {
+    /// Of a line that is at `line[axis][0] + k·line[axis][1]` at plane `k`, from `plane` on, counted from the lattice's voxel `first`.
     #[inline(always)]
-    pub fn new(line: &[[f64; 2]; 3], plane: i32) -> Self {
-        let first = plane - plane % STRETCH;
-        Self {
-            first,
-            from: each!(axis of [0, 1, 2] => fixed(line[axis][0] + f64::from(first) * line[axis][1])),
+    pub fn new(line: &[[f64; 2]; 3], plane: i32, first: &[i32; 3]) -> Self {
+        let planes = plane % STRETCH;
+        let from = f64::from(plane - planes);
+        let mut way = Self {
+            at: each!(axis of [0, 1, 2] => {
+                fixed(line[axis][0] + from * line[axis][1]).wrapping_sub(i64::from(first[axis]) << BITS)
+            }),
             step: each!(axis of [0, 1, 2] => fixed(line[axis][1])),
-        }
+        };
+        way.go_on(planes);
+        way
     }
 
-    /// Where it is at a plane of the stretch.
+    /// Goes on by some planes, all of them of one stretch.
     #[inline(always)]
-    pub fn at(&self, plane: i32) -> Place {
-        let planes = i64::from(plane - self.first);
-        each!(axis of [0, 1, 2] => self.from[axis].wrapping_add(planes.wrapping_mul(self.step[axis])))
+    pub fn go_on(&mut self, planes: i32) {
+        let planes = i64::from(planes);
+        self.at = each!(axis of [0, 1, 2] => self.at[axis].wrapping_add(planes.wrapping_mul(self.step[axis])));
     }
 }

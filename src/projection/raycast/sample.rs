@@ -4,20 +4,38 @@
 //! else is done for all samples of a vector before the next. Of a cell's four edges along x the two ends are weighed in whole numbers,
 //! which is one operation of a processor, and what comes of that is interpolated along y and z.
 
+use std::marker::PhantomData;
+
+use super::kind::Kind;
 use super::simd::{Apart, Pairs, Simd, each};
 use super::template::{Moved, Places, Template};
-use super::voxels::CastBlock;
+use super::voxels::Voxels;
 
 /// The samples of a packet at a plane, those of one block.
-pub struct Bundle<'a, S: Simd, const N: usize> {
-    pub block: &'a CastBlock,
+pub struct Bundle<'a, S: Simd, K: Kind, const N: usize> {
+    pub voxels: &'a Voxels<'a>,
     /// Which samples are in the box, and seen.
     pub inside: [S::Mask; N],
     pub plane: i32,
     /// Millimetres of each ray a millimetre of depth; `None` where all are 1.
     pub paths: &'a Option<[S::Float; N]>,
-    moved: Moved<N>,
+    moved: Moved,
     places: [Places<S>; N],
+    kind: PhantomData<K>,
+}
+
+/// Numbers of a block.
+pub struct Numbers<'a, S: Simd> {
+    stored: &'a [i16],
+    few: Option<S::Few>,
+}
+
+impl<S: Simd> Numbers<'_, S> {
+    /// Whether any of them may be at least that one.
+    #[inline(always)]
+    pub fn any_at_least(&self, least: i16) -> bool {
+        self.few.as_ref().is_none_or(|few| S::any_at_least(few, least))
+    }
 }
 
 /// Vectors of a block, those round a bundle read when they are first asked for.
@@ -35,82 +53,87 @@ pub struct BlockVectors<'a, S: Simd> {
 impl<'a, S: Simd> BlockVectors<'a, S> {
     /// None of them read.
     #[inline(always)]
-    pub fn of(block: &'a CastBlock) -> Self {
-        let [rgb, normals] = each!(stored of [&block.rgb, &block.normals] => Vectors { stored, few: None });
+    pub fn of(voxels: &Voxels<'a>) -> Self {
+        let [rgb, normals] = each!(stored of [voxels.rgb, voxels.normals] => Vectors { stored, few: None });
         Self { rgb, normals }
     }
 }
 
-impl<'a, S: Simd, const N: usize> Bundle<'a, S, N> {
+impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
     /// The samples of `template` at `plane`, those `inside`, of the packet that it is `moved` to.
     #[inline(always)]
     pub fn new(
-        block: &'a CastBlock,
-        template: &Template<S, N>,
-        moved: Moved<N>,
+        voxels: &'a Voxels<'a>,
+        template: &Template<S, K, N>,
+        moved: Moved,
         plane: i32,
         inside: [S::Mask; N],
         paths: &'a Option<[S::Float; N]>,
     ) -> Self {
-        let mut places = [template.places(0, &moved, inside[0]); N];
+        let mut places = [template.places(0, voxels, &moved, inside[0]); N];
         for n in 1..N {
-            places[n] = template.places(n, &moved, inside[n]);
+            places[n] = template.places(n, voxels, &moved, inside[n]);
         }
         Self {
-            block,
+            voxels,
             inside,
             plane,
             paths,
             moved,
             places,
+            kind: PhantomData,
         }
     }
 
-    /// The trilinear samples of numbers, in steps of what is stored.
+    /// Numbers of the block, those round it read if they are few.
     #[inline(always)]
-    pub fn numbers(&self, numbers: &[i16]) -> [S::Float; N] {
-        let mut all = [S::float(0.0); N];
-        if self.moved.few() {
-            let few = S::few(self.moved.first as usize, self.strides(), numbers);
-            for (n, sample) in all.iter_mut().enumerate() {
-                *sample = self.interpolate(n, S::take(&few, self.places[n].cells));
-            }
-        } else {
-            for (n, sample) in all.iter_mut().enumerate() {
-                *sample = self.interpolate(n, S::apart_pairs(&self.apart(n), numbers));
-            }
+    pub fn numbers(&self, stored: &'a [i16]) -> Numbers<'a, S> {
+        Numbers {
+            stored,
+            few: self
+                .few()
+                .then(|| S::few(self.moved.first as usize, self.voxels.strides, stored)),
         }
-        all
     }
 
-    /// The trilinear samples of the first three parts of vectors, those of vector `n` that are `shown`, in steps of what is stored.
+    /// The trilinear samples of numbers, those of vector `n`, in parts of [`ONE_WEIGHT`](super::simd::ONE_WEIGHT) of what is stored.
+    #[inline(always)]
+    pub fn sampled(&self, n: usize, numbers: &Numbers<S>) -> S::Float {
+        let pairs = match &numbers.few {
+            Some(few) => S::take(few, self.places[n].cells),
+            None => S::apart_pairs(&self.apart(n), numbers.stored),
+        };
+        self.interpolate(n, pairs)
+    }
+
+    /// The trilinear samples of the first three parts of vectors, those of vector `n` that are `shown`, likewise.
     #[inline(always)]
     pub fn vectors(&self, n: usize, vectors: &mut Vectors<S>, shown: S::Mask) -> [S::Float; 3] {
-        if !self.moved.few() {
+        if !self.few() {
             return S::apart_vectors(&self.apart(n), &self.places[n].within, vectors.stored, shown);
         }
         let few = match &vectors.few {
             Some(few) => few,
             None => vectors.few.insert(S::few_vectors(
                 self.moved.first as usize,
-                self.strides(),
+                self.voxels.strides,
                 vectors.stored,
             )),
         };
         each!(part of [0, 1, 2] => self.interpolate(n, S::take(&few[part], self.places[n].cells)))
     }
 
-    /// How far rows and planes of stored voxels are apart.
+    /// Whether all its voxels are few.
     #[inline(always)]
-    fn strides(&self) -> [usize; 2] {
-        [self.moved.strides[1], self.moved.strides[2]]
+    fn few(&self) -> bool {
+        K::FEW || self.moved.few
     }
 
     #[inline(always)]
     fn apart(&self, n: usize) -> Apart<S> {
         Apart {
             voxels: self.places[n].cells,
-            strides: self.strides(),
+            strides: self.voxels.strides,
         }
     }
 

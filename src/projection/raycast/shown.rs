@@ -63,7 +63,7 @@ impl ShownBlock {
             let bounds = cells.bounds()?;
             Some(Self {
                 bounds: Aabb::new(bounds.min + first, bounds.max + first).intersect(&target.blocks[n].bounds()),
-                gaps: Gaps::new(&cells, first),
+                gaps: Gaps::new(&cells),
             })
         };
         (0..cast.blocks.len()).into_par_iter().map(of).collect()

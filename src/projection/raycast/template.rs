@@ -7,10 +7,13 @@
 //! *Practice.* Each packet's low corner is in double precision, and all else in whole parts of a voxel counted from there, so that nothing
 //! depends on the block. A cell and the place in it are then bits of the same number.
 
+use std::marker::PhantomData;
+
+use super::kind::Kind;
 use super::places::{self, Place};
 use super::rays::Rays;
 use super::simd::{EDGE, RAYS, Simd, Within, each};
-use super::voxels::CastBlock;
+use super::voxels::Voxels;
 
 /// Bits of the parts of a voxel, if packets are not so large that they need more for whole ones: with parts of 2⁻²⁴ voxel there is room for
 /// packets of 255 voxels.
@@ -43,16 +46,17 @@ const WITHIN: [[i32; RAYS]; 2] = {
 };
 
 /// The samples of any packet at a plane.
-pub struct Template<S: Simd, const N: usize> {
+pub struct Template<S: Simd, K: Kind, const N: usize> {
     plane: i32,
     /// How far each is from the packet's low corner along each axis, in parts of 2 to the minus `bits` of a voxel.
     away: [[S::Int; N]; 3],
     bits: u32,
     /// How far they are from it at most along each axis, and a little more, for rounding; no more than is too far for [`EDGE`]³ voxels.
     extents: Place,
+    kind: PhantomData<K>,
 }
 
-impl<S: Simd, const N: usize> Template<S, N> {
+impl<S: Simd, K: Kind, const N: usize> Template<S, K, N> {
     /// At `plane`.
     #[inline(always)]
     pub fn new(rays: &Rays, plane: i32) -> Self {
@@ -83,6 +87,7 @@ impl<S: Simd, const N: usize> Template<S, N> {
             away,
             bits,
             extents: each!(axis of [0, 1, 2] => places::fixed((extents[axis] + 1e-6).min(EDGE as f64))),
+            kind: PhantomData,
         }
     }
 
@@ -94,34 +99,32 @@ impl<S: Simd, const N: usize> Template<S, N> {
         }
     }
 
-    /// Bits behind the point. Packets of several vectors have few voxels, so theirs are the finest.
+    /// Bits behind the point; small packets are in the finest parts.
     #[inline(always)]
     fn bits(&self) -> u32 {
-        if N > 1 { FINEST } else { self.bits }
+        if K::FEW { FINEST } else { self.bits }
     }
 
-    /// Moved to a packet whose low corner is `at`, in lattice coordinates: among the voxels of `block`.
+    /// Moved to a packet whose low corner is `at`, counted from the first one of `voxels`.
     #[inline(always)]
-    pub fn moved(&self, block: &CastBlock, at: &Place) -> Moved<N> {
-        let mut moved = Moved {
-            first: 0,
-            parts: [0; 3],
-            strides: each!(axis of [0, 1, 2] => block.strides[axis] as usize),
-            few: block.has_few() && self.is_small(at),
-        };
-        for (axis, &at) in at.iter().enumerate() {
-            let voxel = ((at >> places::BITS) as i32).wrapping_sub(block.first[axis]);
-            let part = (at as u32 >> (places::BITS - self.bits())) as i32;
-            let first = if moved.few() {
-                // The voxels that are read are stored; samples that are not among them are not in the block.
-                voxel.min(block.dims[axis] - EDGE as i32).max(0)
-            } else {
-                voxel
-            };
-            moved.parts[axis] = part.wrapping_add(voxel.wrapping_sub(first).wrapping_shl(self.bits()));
-            moved.first += i64::from(first) * i64::from(block.strides[axis]);
+    pub fn moved(&self, voxels: &Voxels, at: &Place) -> Moved {
+        let bits = self.bits();
+        let few = K::FEW || (voxels.has_few && self.is_small(at));
+        let mut first = voxel(at);
+        let mut parts = each!(axis of [0, 1, 2] => (at[axis] as u32 >> (places::BITS - bits)) as i32);
+        if few && !voxels.holds_few(first) {
+            // The voxels that are read are stored; samples that are not among them are not in the block.
+            for axis in 0..3 {
+                let stored = first[axis].min(voxels.dims[axis] - EDGE as i32).max(0);
+                parts[axis] = parts[axis].wrapping_add(first[axis].wrapping_sub(stored).wrapping_shl(bits));
+                first[axis] = stored;
+            }
         }
-        moved
+        Moved {
+            first: voxels.index(first),
+            parts,
+            few,
+        }
     }
 
     /// Whether the cells of a packet whose low corner is there are among [`EDGE`]³ voxels.
@@ -134,7 +137,7 @@ impl<S: Simd, const N: usize> Template<S, N> {
 
     /// The cells of vector `n` of the packet that is `moved` there, and the places in them; of samples that are not `inside`, any.
     #[inline(always)]
-    pub fn places(&self, n: usize, moved: &Moved<N>, inside: S::Mask) -> Places<S> {
+    pub fn places(&self, n: usize, voxels: &Voxels, moved: &Moved, inside: S::Mask) -> Places<S> {
         let bits = self.bits() as i32;
         let at = each!(axis of [0, 1, 2] => self.away[axis][n] + S::int(moved.parts[axis]));
         let [x, y, z] = each!(axis of [0, 1, 2] => S::shift_right(at[axis], S::int(bits)));
@@ -142,12 +145,12 @@ impl<S: Simd, const N: usize> Template<S, N> {
         let part = each!(axis of [0, 1, 2] => S::shift_left(at[axis], S::int(32 - bits)));
         // The nearest of 2^15 parts.
         let second = S::shift_right(S::shift_right(part[0], S::int(16)) + S::int(1), S::int(1));
-        let cells = if moved.few() {
+        let cells = if K::FEW || moved.few {
             let cell = x + S::shift_left(y, S::int(2)) + S::shift_left(z, S::int(4));
             cell + S::shift_left(cell, S::int(16)) + S::int(1 << 16)
         } else {
-            let [row, plane] = each!(axis of [1, 2] => S::int(moved.strides[axis] as i32));
-            let cell = x * S::int(moved.strides[0] as i32) + y * row + z * plane + S::int(moved.first as i32);
+            let [row, plane] = each!(stride of [voxels.strides[0], voxels.strides[1]] => S::int(stride as i32));
+            let cell = x + y * row + z * plane + S::int(moved.first as i32);
             S::choose_int(inside, cell, S::int(0))
         };
         Places {
@@ -172,34 +175,19 @@ fn bits(extent: f64) -> u32 {
 }
 
 /// A packet's template among a block's voxels.
-pub struct Moved<const N: usize> {
-    /// The stored voxel that cells are counted from.
-    pub first: i64,
+pub struct Moved {
+    /// Where the voxel is stored that cells are counted from.
+    pub first: isize,
     /// How far the low corner is from it along each axis, in parts of a voxel.
     parts: [i32; 3],
-    /// How far stored neighbours are apart along each axis.
-    pub strides: [usize; 3],
-    few: bool,
+    /// Whether all samples in the block are among [`EDGE`]³ of its voxels.
+    pub few: bool,
 }
 
-impl<const N: usize> Moved<N> {
-    /// Whether all samples in the block are among [`EDGE`]³ of its voxels. Those of packets of several vectors are.
-    #[inline(always)]
-    pub fn few(&self) -> bool {
-        N > 1 || self.few
-    }
-
-    /// Says that what is stored of `block` there will soon be read.
-    #[inline(always)]
-    pub fn ask_for<S: Simd>(&self, block: &CastBlock) {
-        if self.few() {
-            let strides = [self.strides[1], self.strides[2]];
-            S::ask_for(self.first as usize, strides, &block.weighted);
-            if !block.normals.is_empty() {
-                S::ask_for(self.first as usize, strides, &block.normals);
-            }
-        }
-    }
+/// The voxel at the low corner of a place's cell.
+#[inline(always)]
+pub fn voxel(at: &Place) -> [i32; 3] {
+    each!(axis of [0, 1, 2] => (at[axis] >> places::BITS) as i32)
 }
 
 /// Where samples lie among a block's voxels.

@@ -1,16 +1,18 @@
 //! A tile of the frame, cast box by box.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::boxes::CastBox;
 use super::classify::Classifier;
 use super::gaps::FARTHEST;
-use super::packet::{March, Packet, first_of as vector_of};
+use super::kind::Kind;
+use super::packet::{COUNT, March, Packets};
 use super::places::STRETCH;
 use super::rays::Rays;
 #[cfg(target_arch = "x86_64")]
 use super::simd::Avx512;
-use super::simd::{EDGE, Kernel, Portable, RAYS, Simd, each};
+use super::simd::{Kernel, Portable, RAYS, Simd, each};
 use super::spans::{PACKETS, Spans};
 use super::template::{Template, edge};
 use super::voxels::CastTarget;
@@ -36,75 +38,58 @@ pub struct Scene<'a> {
     pub stops: Option<&'a (dyn Fn([u32; 2]) -> i32 + Sync)>,
 }
 
-/// Pixel `n` of the vector whose first pixel is `first`.
-pub fn pixel([x, y]: [u32; 2], n: usize) -> [u32; 2] {
-    [x + (n % EDGE) as u32, y + (n / EDGE) as u32]
-}
+/// What is called with squares of pixels, row by row, each from its first on.
+pub type Squares<'a> = &'a mut dyn FnMut([u32; 2], &[[f32; 4]; RAYS]);
 
-/// What is called with rows of pixels, each from its first on.
-pub type Rows<'a> = &'a mut dyn FnMut([u32; 2], &[[f32; 4]]);
-
-/// Casts the tile that begins at a pixel, and hands on those rows of its pixels that anything may cover.
-pub type Cast = fn(&Scene, [u32; 2], Rows);
+/// Casts the tile that begins at a pixel, and hands on those squares of its pixels that anything may cover.
+pub type Cast = fn(&Scene, [u32; 2], Squares);
 
 /// By the widest vectors that the processor has, in packets of `N`.
-pub fn by_widest<const N: usize>(scene: &Scene, first: [u32; 2], rows: Rows) {
+pub fn by_widest<K: Kind, const N: usize>(scene: &Scene, first: [u32; 2], squares: Squares) {
     #[cfg(target_arch = "x86_64")]
     if Avx512::is_there() {
-        return Avx512::run(TileCast::<N> { scene, first, rows });
+        return Avx512::run(TileCast::<K, N>::new(scene, first, squares));
     }
-    by_arrays::<N>(scene, first, rows);
+    by_arrays::<K, N>(scene, first, squares);
 }
 
 /// By arrays, whatever vectors the processor has.
-pub fn by_arrays<const N: usize>(scene: &Scene, first: [u32; 2], rows: Rows) {
-    Portable::run(TileCast::<N> { scene, first, rows });
+pub fn by_arrays<K: Kind, const N: usize>(scene: &Scene, first: [u32; 2], squares: Squares) {
+    Portable::run(TileCast::<K, N>::new(scene, first, squares));
 }
 
 /// A tile that is to be cast, in packets of `N` vectors.
-struct TileCast<'a, 'b, const N: usize> {
+struct TileCast<'a, 'b, K: Kind, const N: usize> {
     scene: &'a Scene<'b>,
     first: [u32; 2],
-    rows: Rows<'a>,
+    squares: Squares<'a>,
+    kind: PhantomData<K>,
 }
 
-impl<S: Simd, const N: usize> Kernel<S> for TileCast<'_, '_, N> {
+impl<S: Simd, K: Kind, const N: usize> Kernel<S> for TileCast<'_, '_, K, N> {
     #[inline(always)]
     fn run(self) {
-        let mut packets: Packets<S, N> = [const { None }; PACKETS * PACKETS];
+        let mut packets = Packets::<S, N>::new(self.first);
         let mut template = Template::new(&self.scene.rays, 0);
         for cast_box in self.scene.boxes {
             self.cast(&mut packets, &mut template, cast_box);
         }
-        for (at, packet) in packets.iter().enumerate() {
-            let Some(packet) = packet else { continue };
-            for n in 0..N {
-                let first = vector_of::<N>(self.packet(at), n);
-                let pixels = S::side_by_side(packet.pixels[n]);
-                for (row, pixels) in pixels.chunks_exact(EDGE).enumerate() {
-                    (self.rows)(pixel(first, row * EDGE), pixels);
-                }
-            }
-        }
+        packets.hand_on(self.squares);
     }
 }
 
-/// The packets of a tile, row by row; those that nothing may cover are left out.
-type Packets<S, const N: usize> = [Option<Packet<S, N>>; PACKETS * PACKETS];
-
-impl<const N: usize> TileCast<'_, '_, N> {
-    /// The first pixel of a packet.
-    #[inline(always)]
-    fn packet(&self, packet: usize) -> [u32; 2] {
-        let [x, y] = self.first;
-        [
-            x + (packet % PACKETS * edge(N)) as u32,
-            y + (packet / PACKETS * edge(N)) as u32,
-        ]
+impl<'a, 'b, K: Kind, const N: usize> TileCast<'a, 'b, K, N> {
+    fn new(scene: &'a Scene<'b>, first: [u32; 2], squares: Squares<'a>) -> Self {
+        Self {
+            scene,
+            first,
+            squares,
+            kind: PhantomData,
+        }
     }
 
     #[inline(always)]
-    fn cast<S: Simd>(&self, packets: &mut Packets<S, N>, template: &mut Template<S, N>, cast_box: &CastBox) {
+    fn cast<S: Simd>(&self, packets: &mut Packets<S, N>, template: &mut Template<S, K, N>, cast_box: &CastBox) {
         let (scene, first) = (self.scene, self.first);
         let covers = |axis: usize| {
             let Range { start, end } = cast_box.pixels[axis];
@@ -113,35 +98,27 @@ impl<const N: usize> TileCast<'_, '_, N> {
         if !covers(0) || !covers(1) {
             return;
         }
-        let block = &scene.target.blocks[cast_box.block];
+        let voxels = &scene.target.blocks[cast_box.block].voxels();
         let spans = Spans::<S>::new(&scene.rays, edge(N), first, cast_box);
         let [mut next, ends] = each!(of of [spans.any[0], spans.any[1]] => S::int_array(of));
         let [begin, end] = each!(of of [spans.all[0], spans.all[1]] => S::int_array(of));
-        let mut entered = 0u16;
-        while let Some(nearest) = (0..RAYS).filter(|n| next[*n] < ends[*n]).map(|n| next[n]).min() {
+        packets.turn();
+        while let Some(nearest) = (0..COUNT).filter(|n| next[*n] < ends[*n]).map(|n| next[n]).min() {
             // All packets go on by a stretch before any goes on by the next: what they read stays in a processor's cache.
             let stretch_end = nearest - nearest % STRETCH + STRETCH;
-            for n in 0..PACKETS * PACKETS {
-                if next[n] >= ends[n].min(stretch_end) {
-                    continue;
+            for n in 0..COUNT {
+                let end_here = ends[n].min(stretch_end);
+                if next[n] < end_here {
+                    S::run(March {
+                        packet: packets.packet(scene, n, begin[n]..end[n]),
+                        scene,
+                        voxels,
+                        cast_box,
+                        template,
+                        next: &mut next[n],
+                        end: end_here,
+                    });
                 }
-                let packet = match &mut packets[n] {
-                    Some(packet) => packet,
-                    none => none.insert(Packet::new(scene, self.packet(n))),
-                };
-                if entered >> n & 1 == 0 {
-                    entered |= 1 << n;
-                    packet.enter(begin[n]..end[n]);
-                }
-                S::run(March {
-                    packet,
-                    scene,
-                    block,
-                    cast_box,
-                    template,
-                    next: &mut next[n],
-                    end: ends[n].min(stretch_end),
-                });
             }
         }
     }

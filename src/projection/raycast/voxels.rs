@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::normals::voxel_normals;
 use super::shown::ShownBlock;
-use super::simd::EDGE;
+use super::simd::{EDGE, each};
 use crate::array::Array;
 use crate::projection::{FrameSpec, SoftNormals, TransferFunction, TransferTable, VisibleValues};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
@@ -58,8 +58,8 @@ struct Look {
 pub(super) struct CastBlock {
     /// The lattice's voxel that is stored first.
     pub first: [i32; 3],
-    /// How far apart stored neighbours are along each axis; 0 in a block of one value.
-    pub strides: [i32; 3],
+    /// How far apart rows and planes of stored voxels are; 0 in a block of one value.
+    pub strides: [usize; 2],
     /// How many there are along each axis; a few in a block of one value.
     pub dims: [i32; 3],
     /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`] from [`NONE`] on.
@@ -70,6 +70,35 @@ pub(super) struct CastBlock {
     pub rgb: Array<[i16; 4]>,
     /// Soft normals in the world, in parts of [`ONE_NORMAL`]; empty if the target is not lit.
     pub normals: Array<[i16; 4]>,
+}
+
+/// The voxels of a [`CastBlock`], as they are read.
+pub(super) struct Voxels<'a> {
+    pub first: [i32; 3],
+    pub dims: [i32; 3],
+    pub strides: [usize; 2],
+    /// See [`CastBlock::has_few`].
+    pub has_few: bool,
+    pub weighted: &'a [i16],
+    pub coverage: &'a [i16],
+    pub rgb: &'a [[i16; 4]],
+    pub normals: &'a [[i16; 4]],
+}
+
+impl Voxels<'_> {
+    /// Where the voxel is stored that is so many from the first one along each axis, if it is.
+    #[inline(always)]
+    pub fn index(&self, [x, y, z]: [i32; 3]) -> isize {
+        let [row, plane] = each!(stride of [self.strides[0], self.strides[1]] => stride as isize);
+        x as isize + y as isize * row + z as isize * plane
+    }
+
+    /// Whether the [`EDGE`]³ voxels are stored from that one on.
+    #[inline(always)]
+    pub fn holds_few(&self, [x, y, z]: [i32; 3]) -> bool {
+        let [x, y, z] = each!(at of [(x, 0), (y, 1), (z, 2)] => at.0 >= 0 && at.0 <= self.dims[at.1] - EDGE as i32);
+        x & y & z
+    }
 }
 
 impl CastTarget {
@@ -145,21 +174,34 @@ fn prepare(target: &Target, block: &Block, normals: Option<&SoftNormals>) -> (Ca
 
 impl CastBlock {
     /// Whether there are [`EDGE`]³ voxels at least.
-    #[inline(always)]
     pub fn has_few(&self) -> bool {
         self.dims.iter().all(|n| *n >= EDGE as i32)
     }
 
     /// Whether what shows of it can be told from its voxels alone.
     pub fn is_looked_into(&self) -> bool {
-        self.strides[0] != 0 && self.coverage.is_empty()
+        self.strides != [0; 2] && self.coverage.is_empty()
+    }
+
+    /// As it is read.
+    pub fn voxels(&self) -> Voxels<'_> {
+        Voxels {
+            first: self.first,
+            dims: self.dims,
+            strides: self.strides,
+            has_few: self.has_few(),
+            weighted: &self.weighted,
+            coverage: &self.coverage,
+            rgb: &self.rgb,
+            normals: &self.normals,
+        }
     }
 
     /// The voxels that any place in a block of one value is among, a row that stands for all.
     fn uniform(block: &Block, value: f32, lit: bool) -> Self {
         Self {
             first: block.origin.map(|n| n as i32 - Block::APRON as i32),
-            strides: [0; 3],
+            strides: [0; 2],
             dims: [EDGE as i32; 3],
             weighted: vec![stored(value); EDGE].into(),
             coverage: Array::default(),
@@ -179,7 +221,7 @@ impl CastBlock {
         let colour = |[r, g, b]: [f32; 3]| [r, g, b, 0.0].map(stored);
         Self {
             first: block.origin.map(|n| n as i32 - Block::APRON as i32),
-            strides: [1, dims[0] as i32, (dims[0] * dims[1]) as i32],
+            strides: [dims[0], dims[0] * dims[1]],
             dims: dims.map(|n| n as i32),
             weighted,
             coverage: voxels

@@ -36,7 +36,7 @@ pub fn drawing(spec: &FrameSpec) -> Drawing {
 
 /// Rounding of a place along an axis, voxels. It is counted in parts of 2^-24 voxel: the packet's low corner is rounded down to one, and from
 /// there it is at most 7 columns and 7 rows, of a width that is off by half a part. The corner itself is counted in parts of 2^-32,
-/// from the first of 32 planes on, which is less than another part.
+/// from the first of 128 planes on, which is half of another part.
 fn place_rounding() -> f64 {
     const PART: f64 = 1.0 / (1u32 << 24) as f64;
     (1.0 + 7.0 + 1.0) * PART

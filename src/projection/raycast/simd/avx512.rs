@@ -145,6 +145,7 @@ impl Simd for Avx512 {
         fn ints(x: [i32; RAYS]) -> Int { Int(std::mem::transmute::<[i32; RAYS], __m512i>(x)) }
         fn int_array(x: Int) -> [i32; RAYS] { std::mem::transmute::<__m512i, [i32; RAYS]>(x.0) }
 
+        fn mul_add(a: Float, b: Float, c: Float) -> Float { Float(_mm512_fmadd_ps(a.0, b.0, c.0)) }
         fn divide(a: Float, b: Float) -> Float { Float(_mm512_div_ps(a.0, b.0)) }
         fn root(x: Float) -> Float { Float(_mm512_sqrt_ps(x.0)) }
         fn absolute(x: Float) -> Float { Float(_mm512_abs_ps(x.0)) }
@@ -239,6 +240,12 @@ impl Simd for Avx512 {
             // SAFETY: nothing is read, so any place can be asked for; the processor has SSE.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(row.cast()) };
         }
+    }
+
+    #[inline(always)]
+    fn any_at_least(few: &Few, least: i16) -> bool {
+        // SAFETY: the processor has AVX-512.
+        unsafe { _mm512_cmpge_epi16_mask(_mm512_max_epi16(few.low, few.high), _mm512_set1_epi16(least)) != 0 }
     }
 
     #[inline(always)]

@@ -47,19 +47,19 @@ pub struct Within<S: Simd> {
 }
 
 impl<S: Simd> Within<S> {
-    /// What is sampled of the weighed pairs on the four edges of cells along x.
+    /// What is sampled of the weighed pairs on the four edges of cells along x, in parts of [`ONE_WEIGHT`] as they are.
     #[inline(always)]
     pub fn between(&self, [a, b, c, d]: [S::Float; 4]) -> S::Float {
         let [ty, tz] = self.parts;
         let (near, far) = (between::<S>(a, b, ty), between::<S>(c, d, ty));
-        between::<S>(near, far, tz) * S::float(1.0 / ONE_WEIGHT)
+        between::<S>(near, far, tz)
     }
 }
 
 /// What is `t` of the way from `a` to `b`.
 #[inline(always)]
 fn between<S: Simd>(a: S::Float, b: S::Float, t: S::Float) -> S::Float {
-    a + t * (b - a)
+    S::mul_add(t, b - a, a)
 }
 
 /// A way of doing sixteen operations at once.
@@ -91,6 +91,8 @@ pub trait Simd: Copy + 'static {
     fn ints(x: [i32; RAYS]) -> Self::Int;
     fn int_array(x: Self::Int) -> [i32; RAYS];
 
+    /// `a·b + c`, rounded once.
+    fn mul_add(a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float;
     fn divide(a: Self::Float, b: Self::Float) -> Self::Float;
     fn root(x: Self::Float) -> Self::Float;
     fn absolute(x: Self::Float) -> Self::Float;
@@ -131,6 +133,8 @@ pub trait Simd: Copy + 'static {
 
     /// Says that the few voxels of a packet from `corner` on, whose rows and planes are so far apart, will soon be read, if that can be said.
     fn ask_for<T>(corner: usize, strides: [usize; 2], stored: &[T]);
+    /// Whether any of few numbers is at least that one.
+    fn any_at_least(few: &Self::Few, least: i16) -> bool;
     /// The numbers of the few voxels of a packet from `corner` on, whose rows and planes are so far apart.
     fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Self::Few;
     /// Likewise the first three parts of vectors.
@@ -140,7 +144,7 @@ pub trait Simd: Copy + 'static {
     fn take(few: &Self::Few, cells: Self::Int) -> Pairs<Self>;
     /// The numbers round samples; of cells beyond what is stored, any.
     fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self>;
-    /// The trilinear samples of the first three parts of vectors, those that are `shown`; of others, any.
+    /// The trilinear samples of the first three parts of vectors, in parts of [`ONE_WEIGHT`], those that are `shown`; of others, any.
     fn apart_vectors(
         apart: &Apart<Self>,
         within: &Within<Self>,

@@ -2,14 +2,14 @@
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
-use super::{Apart, EDGE, FEW, Kernel, ONE_WEIGHT, Pairs, RAYS, Simd, Within};
+use super::{Apart, EDGE, FEW, Kernel, Pairs, RAYS, Simd, Within};
 
 /// For any processor.
 #[derive(Clone, Copy)]
 pub struct Portable;
 
 /// For what vectors the processor has.
-#[multiversion::multiversion(targets("x86_64+avx2"))]
+#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
 fn run_there<K: Kernel<Portable>>(kernel: K) {
     kernel.run();
 }
@@ -182,6 +182,15 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn mul_add(a: Self::Float, b: Self::Float, c: Self::Float) -> Self::Float {
+        let mut all = [0.0; RAYS];
+        for (n, one) in all.iter_mut().enumerate() {
+            *one = a.0[n].mul_add(b.0[n], c.0[n]);
+        }
+        Sixteen(all)
+    }
+
+    #[inline(always)]
     fn divide(a: Self::Float, b: Self::Float) -> Self::Float {
         a.with(b, |a, b| a / b)
     }
@@ -312,6 +321,11 @@ impl Simd for Portable {
     fn ask_for<T>(_: usize, _: [usize; 2], _: &[T]) {}
 
     #[inline(always)]
+    fn any_at_least(few: &Self::Few, least: i16) -> bool {
+        few.iter().fold(false, |any, number| any | (*number >= least))
+    }
+
+    #[inline(always)]
     fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Self::Few {
         let mut few = [0; FEW];
         for (few, row) in few.chunks_exact_mut(EDGE).zip(rows(corner, strides, numbers)) {
@@ -408,13 +422,13 @@ fn vector(edges: &[&[[i16; 4]]; 4], at: usize, weights: i32, [ty, tz]: [f32; 2])
     let between = |a: [f32; 4], b: [f32; 4], t: f32| {
         let mut mixed = [0.0; 4];
         for c in 0..4 {
-            mixed[c] = a[c] + t * (b[c] - a[c]);
+            mixed[c] = t.mul_add(b[c] - a[c], a[c]);
         }
         mixed
     };
     let near = between(edge(0), edge(1), ty);
     let far = between(edge(2), edge(3), ty);
-    between(near, far, tz).map(|part| part * (1.0 / ONE_WEIGHT))
+    between(near, far, tz)
 }
 
 /// What is stored, from the first voxel on each of the four edges of a cell along x: an index in one is in all of them.
