@@ -9,9 +9,8 @@ use super::kind::{Any, Few, FewPlain, Plain};
 use super::light::Cue;
 use super::rays::{Depths, Rays};
 use super::shown::edge_for;
-use super::simd::{EDGE, RAYS};
 use super::template::FEW;
-use super::tile::{self, Cast, Scene, tile};
+use super::tile::{self, Cast, Pixels, Scene, tile};
 use super::voxels::{CastBlock, CastTarget};
 use crate::image::Frame;
 use crate::projection::{FrameSpec, Lens, ProjectError, Projector, composite};
@@ -160,29 +159,26 @@ fn accumulate_by(
     let mut frame = Frame::transparent(width, height);
     // A few tiles are soon done, so that no thread waits long for another's last.
     let parts = parts(&mut frame, tile).into_par_iter().with_max_len(1);
-    parts.for_each(|part| part.cast(tile, cast, &scene));
+    parts.for_each(|mut part| {
+        let [left, top] = part.first;
+        for column in (0..part.rows[0].len()).step_by(tile) {
+            cast(&scene, [left + column as u32, top], &mut part);
+        }
+    });
     Ok(frame)
 }
 
 /// Columns of pixels that are cast together: some tiles side by side.
 const PART: usize = 64;
 
-/// The pixels of a few tiles.
-struct Part<'a> {
-    /// The first of them.
-    first: [u32; 2],
-    /// All, row by row: as many as a tile has.
-    rows: Vec<&'a mut [[f32; 4]]>,
-}
-
 /// A frame in parts, as high as tiles of `tile` pixels are.
-fn parts(frame: &mut Frame, tile: usize) -> Vec<Part<'_>> {
+fn parts(frame: &mut Frame, tile: usize) -> Vec<Pixels<'_>> {
     let width = frame.width() as usize;
     let columns = width.div_ceil(PART);
     let mut parts = Vec::new();
     for (band, pixels) in frame.pixels_mut().chunks_mut(tile * width).enumerate() {
         let first = parts.len();
-        parts.extend((0..columns).map(|column| Part {
+        parts.extend((0..columns).map(|column| Pixels {
             first: [column * PART, band * tile].map(|n| n as u32),
             rows: Vec::with_capacity(tile),
         }));
@@ -193,27 +189,4 @@ fn parts(frame: &mut Frame, tile: usize) -> Vec<Part<'_>> {
         }
     }
     parts
-}
-
-impl Part<'_> {
-    fn cast(mut self, tile: usize, cast: Cast, scene: &Scene) {
-        let [left, top] = self.first;
-        for column in (0..self.rows[0].len()).step_by(tile) {
-            cast(scene, [left + column as u32, top], &mut |[x, y], square| {
-                self.write([(x - left) as usize, (y - top) as usize], square);
-            });
-        }
-    }
-
-    /// Writes what of a square of pixels is in it, the first one in this column and row.
-    fn write(&mut self, [column, row]: [usize; 2], square: &[[f32; 4]; RAYS]) {
-        let rows = self.rows.iter_mut().skip(row);
-        for (row, pixels) in rows.zip(square.as_chunks::<EDGE>().0) {
-            let rest = row.get_mut(column..).unwrap_or_default();
-            match rest.first_chunk_mut::<EDGE>() {
-                Some(whole) => *whole = *pixels,
-                None => rest.copy_from_slice(&pixels[..rest.len()]),
-            }
-        }
-    }
 }

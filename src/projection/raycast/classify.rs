@@ -4,7 +4,7 @@ use super::blend::Colours;
 use super::kind::Kind;
 use super::light::{Cue, Lights};
 use super::power::lengthen;
-use super::sample::{BlockVectors, Bundle, Vectors};
+use super::sample::{BlockVectors, Bundle, Numbers, Vectors};
 use super::simd::{ONE_WEIGHT, Simd, each, larger, smaller};
 use super::voxels::{NONE, ONE};
 use crate::projection::composite::Blending;
@@ -40,6 +40,8 @@ pub struct Samples<S: Simd, const N: usize> {
     entries: [S::Int; N],
     /// Which of them may show.
     shown: [S::Mask; N],
+    /// A bit for each vector of which any may.
+    pub any: u32,
 }
 
 impl Classifier {
@@ -67,6 +69,12 @@ impl Classifier {
         by_table && self.mode.blending() == Blending::Over && !self.cue.is_there()
     }
 
+    /// Whether any sample of values may show, with these round it.
+    #[inline(always)]
+    pub fn any_may_show<S: Simd, K: Kind>(&self, weighted: &Numbers<S>) -> bool {
+        !K::PLAIN || weighted.any_at_least(self.least)
+    }
+
     /// The samples of a bundle; `None` if none of them shows.
     #[inline(always)]
     pub fn samples<S: Simd, K: Kind, const N: usize>(&self, bundle: &Bundle<S, K, N>) -> Option<Samples<S, N>> {
@@ -76,11 +84,8 @@ impl Classifier {
             coverage: None,
             entries: [S::int(0); N],
             shown: bundle.inside,
+            any: 0,
         };
-        let weighted = bundle.numbers(bundle.voxels.weighted);
-        if K::PLAIN && !weighted.any_at_least(self.least) {
-            return None;
-        }
         if !K::PLAIN && !bundle.voxels.coverage.is_empty() && (self.slab_units.is_none() || !self.mode.classifies()) {
             let coverage = bundle.numbers(bundle.voxels.coverage);
             let mut all = nothing;
@@ -89,13 +94,12 @@ impl Classifier {
             }
             samples.coverage = Some(all);
         }
-        let mut any = 0;
         for n in 0..N {
-            samples.weighted[n] = bundle.sampled(n, &weighted);
+            samples.weighted[n] = bundle.sampled(n, &bundle.weighted);
             samples.shown[n] = bundle.inside[n] & self.may_show::<S, K, N>(n, &mut samples);
-            any |= S::bits(samples.shown[n]);
+            samples.any |= u32::from(S::bits(samples.shown[n]) != 0) << n;
         }
-        (any != 0).then_some(samples)
+        (samples.any != 0).then_some(samples)
     }
 
     /// Which samples of vector `n` may show, their entries found if values are classified by the table.

@@ -9,13 +9,17 @@ use glam::DVec3;
 use super::places::{self, Place};
 use super::rays::MOST_PLANES;
 use super::shown::Cells;
-use super::simd::each;
+use super::simd::{Simd, each};
 
 /// The farthest that distances are counted, in cells.
 pub const FARTHEST: u8 = 31;
 
 /// How far around a packet's places is asked whether anything shows, for their rounding, voxels.
 pub const MARGIN: f64 = 0.01;
+
+/// The most voxels along an axis for whose places single precision will do: a place, a step, and what comes of them are each rounded once, by
+/// at most 2⁻²⁴ of that, which together is less than a third of [`MARGIN`].
+const LONGEST: usize = 1 << 14;
 
 /// The cells of a block by what shows of them and of their neighbours.
 pub struct Gaps {
@@ -26,8 +30,11 @@ pub struct Gaps {
     /// How far apart rows and planes of cells are.
     strides: [i64; 2],
     /// How many cells the box of eight that begins at each cell can be moved along any axes without that anything shows in it, and one
-    /// more; 0 if something does. There is a cell more on each side, of which nothing shows.
+    /// more; 0 if something does. There is a cell more on each side, of which nothing shows, and behind them are three bytes more: see
+    /// [`Simd::bytes`].
     free: Vec<u8>,
+    /// Whether there are more than [`LONGEST`] voxels along any axis, or too many cells for 31 bits.
+    is_long: bool,
 }
 
 impl Gaps {
@@ -52,7 +59,8 @@ impl Gaps {
                 .map(places::fixed),
             shift: places::BITS + cells.edge.ilog2(),
             strides: [dims[0], dims[0] * dims[1]].map(|n| n as i64),
-            free: free(shown, dims),
+            is_long: dims.iter().any(|n| n * cells.edge > LONGEST) || shown.len() > i32::MAX as usize,
+            free: [free(shown, dims), vec![0; 3]].concat(),
         }
     }
 
@@ -66,6 +74,31 @@ impl Gaps {
         let [row, plane] = self.strides;
         let cell = x.wrapping_add(y.wrapping_mul(row)).wrapping_add(z.wrapping_mul(plane));
         self.free.get(cell as usize).copied().unwrap_or(0)
+    }
+
+    /// The low corner of the first cell, in voxels from the block's first stored one.
+    #[inline(always)]
+    pub fn first_cell(&self) -> [f64; 3] {
+        each!(axis of [0, 1, 2] => self.begin[axis] as f64 / (1u64 << places::BITS) as f64)
+    }
+
+    /// How many cells long a voxel is.
+    #[inline(always)]
+    pub fn cells_per_voxel(&self) -> f64 {
+        1.0 / (1u64 << (self.shift - places::BITS)) as f64
+    }
+
+    /// [`Self::free`] for sixteen packets, whose low corners are so many cells from that of the first cell; 0 in blocks that are too long for
+    /// that to be told by numbers of single precision.
+    #[inline(always)]
+    pub fn free_at<S: Simd>(&self, cells: [S::Float; 3]) -> S::Int {
+        if self.is_long {
+            return S::int(0);
+        }
+        // The cell that a place is in, or the one before if it is at a face.
+        let [x, y, z] = each!(axis of [0, 1, 2] => S::whole(cells[axis] - S::float(0.5)));
+        let [row, plane] = each!(stride of [self.strides[0], self.strides[1]] => S::int(stride as i32));
+        S::bytes(&self.free, x + y * row + z * plane)
     }
 }
 
@@ -127,6 +160,7 @@ mod tests {
     use glam::DVec3;
     use proptest::prelude::*;
 
+    use super::super::simd::Portable;
     use super::*;
 
     fn cells() -> impl Strategy<Value = Cells> {
@@ -156,6 +190,12 @@ mod tests {
         })
     }
 
+    /// What is free of one packet, found as for sixteen.
+    fn free_by<S: Simd>(gaps: &Gaps, cells: [f64; 3]) -> i32 {
+        let free = gaps.free_at::<S>(cells.map(|at| S::float(at as f32)));
+        S::int_array(free)[0]
+    }
+
     proptest! {
         /// What is said to be free shows nothing, wherever it is moved as far as is said; and of eight cells of which none shows, it is said.
         #[test]
@@ -174,6 +214,11 @@ mod tests {
                 cells.begin[a] + cells_on * edge
             });
             let free = gaps.free(&std::array::from_fn(|a| places::fixed(low[a])));
+            // Nearly at a face both cells will do.
+            let in_cells: [f64; 3] = std::array::from_fn(|a| (low[a] - gaps.first_cell()[a]) * gaps.cells_per_voxel());
+            if in_cells.iter().all(|at| (at - at.round()).abs() > 1e-5) {
+                prop_assert_eq!(free_by::<Portable>(&gaps, in_cells), i32::from(free));
+            }
             let extents = edge - 2.0 * MARGIN;
             let high = std::array::from_fn(|a| low[a] + extent[a] * extents);
             if free > 0 {

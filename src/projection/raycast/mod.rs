@@ -14,6 +14,7 @@
 //! changes. What is known of a frame before it is cast is its kind, and there is a program for each. A ray ends when it is as opaque as where
 //! slices close a pixel, and normals are read where a sample shows.
 
+mod approach;
 mod blend;
 mod boxes;
 mod caster;

@@ -8,11 +8,11 @@ use super::classify::{Classifier, Samples};
 use super::kind::Kind;
 use super::places::{Place, Way};
 use super::rays::{Intervals, PacketRays};
-use super::sample::{BlockVectors, Bundle};
+use super::sample::{BlockVectors, Bundle, Numbers};
 use super::simd::{EDGE, Kernel, RAYS, Simd};
 use super::spans::PACKETS;
 use super::template::{Template, edge, side, voxel};
-use super::tile::{Scene, Squares};
+use super::tile::{Pixels, Scene};
 use super::voxels::Voxels;
 use crate::projection::composite::Blending;
 
@@ -119,12 +119,12 @@ impl<S: Simd, const N: usize> Packets<S, N> {
         [x + (n % PACKETS * edge(N)) as u32, y + (n / PACKETS * edge(N)) as u32]
     }
 
-    /// Hands on the pixels of those that have met a box.
+    /// Writes the pixels of those that have met a box.
     #[inline(always)]
-    pub fn hand_on(&self, squares: Squares) {
+    pub fn write(&self, to: &mut Pixels) {
         for n in (0..COUNT).filter(|n| self.begun >> n & 1 == 1) {
             for (vector, pixels) in self.pixels[n].iter().enumerate() {
-                squares(first_of::<N>(self.first_of(n), vector), &S::side_by_side(*pixels));
+                to.write(first_of::<N>(self.first_of(n), vector), &S::side_by_side(*pixels));
             }
         }
     }
@@ -206,9 +206,16 @@ impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
                 plane = i32::MAX;
                 break;
             };
-            let bundle = Bundle::new(self.voxels, self.template, moved, plane, inside, self.packet.paths);
-            shows = match self.scene.classifier.samples(&bundle) {
-                Some(samples) => {
+            let weighted = Numbers::new::<K>(self.voxels, &moved, self.voxels.weighted);
+            shows = false;
+            if self.scene.classifier.any_may_show::<S, K>(&weighted) {
+                let bundle = Bundle::new(
+                    (self.voxels, weighted),
+                    (self.template, moved),
+                    (plane, inside),
+                    self.packet.paths,
+                );
+                if let Some(samples) = self.scene.classifier.samples(&bundle) {
                     let blending = if K::PLAIN { Blending::Over } else { self.scene.blending };
                     blend(
                         self.packet.pixels,
@@ -217,10 +224,9 @@ impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
                         &bundle,
                         &samples,
                     );
-                    true
+                    shows = true;
                 }
-                None => false,
-            };
+            }
             plane += 1;
         }
         *self.next = plane;
@@ -247,7 +253,10 @@ fn blend<S: Simd, K: Kind, const N: usize>(
     samples: &Samples<S, N>,
 ) {
     let mut vectors = BlockVectors::of(bundle.voxels);
-    for n in 0..N {
+    let mut left = samples.any;
+    while left != 0 {
+        let n = left.trailing_zeros() as usize;
+        left &= left - 1;
         if let Some(sources) = classifier.sources(bundle, n, samples, &mut vectors) {
             blend::under::<S>(blending, &mut pixels[n], &sources);
             open[n] = open[n] & !blend::hidden::<S>(blending, &pixels[n]);

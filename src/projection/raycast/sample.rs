@@ -19,6 +19,8 @@ pub struct Bundle<'a, S: Simd, K: Kind, const N: usize> {
     pub plane: i32,
     /// Millimetres of each ray a millimetre of depth; `None` where all are 1.
     pub paths: &'a Option<[S::Float; N]>,
+    /// Values times coverage, or opacities.
+    pub weighted: Numbers<'a, S>,
     moved: Moved,
     places: [Places<S>; N],
     kind: PhantomData<K>,
@@ -30,7 +32,17 @@ pub struct Numbers<'a, S: Simd> {
     few: Option<S::Few>,
 }
 
-impl<S: Simd> Numbers<'_, S> {
+impl<'a, S: Simd> Numbers<'a, S> {
+    /// Those of a block, those round a packet that is `moved` there read if they are few.
+    #[inline(always)]
+    pub fn new<K: Kind>(voxels: &Voxels, moved: &Moved, stored: &'a [i16]) -> Self {
+        let few = K::FEW || moved.few;
+        Self {
+            stored,
+            few: few.then(|| S::few(moved.first as usize, voxels.strides, stored)),
+        }
+    }
+
     /// Whether any of them may be at least that one.
     #[inline(always)]
     pub fn any_at_least(&self, least: i16) -> bool {
@@ -63,11 +75,9 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
     /// The samples of `template` at `plane`, those `inside`, of the packet that it is `moved` to.
     #[inline(always)]
     pub fn new(
-        voxels: &'a Voxels<'a>,
-        template: &Template<S, K, N>,
-        moved: Moved,
-        plane: i32,
-        inside: [S::Mask; N],
+        (voxels, weighted): (&'a Voxels<'a>, Numbers<'a, S>),
+        (template, moved): (&Template<S, K, N>, Moved),
+        (plane, inside): (i32, [S::Mask; N]),
         paths: &'a Option<[S::Float; N]>,
     ) -> Self {
         let mut places = [template.places(0, voxels, &moved, inside[0]); N];
@@ -79,21 +89,17 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
             inside,
             plane,
             paths,
+            weighted,
             moved,
             places,
             kind: PhantomData,
         }
     }
 
-    /// Numbers of the block, those round it read if they are few.
+    /// Other numbers of the block, those round it read if they are few.
     #[inline(always)]
     pub fn numbers(&self, stored: &'a [i16]) -> Numbers<'a, S> {
-        Numbers {
-            stored,
-            few: self
-                .few()
-                .then(|| S::few(self.moved.first as usize, self.voxels.strides, stored)),
-        }
+        Numbers::new::<K>(self.voxels, &self.moved, stored)
     }
 
     /// The trilinear samples of numbers, those of vector `n`, in parts of [`ONE_WEIGHT`](super::simd::ONE_WEIGHT) of what is stored.

@@ -26,12 +26,16 @@ pub struct Spans<S: Simd> {
     pub any: [S::Int; 2],
     /// Likewise all of its rays are.
     pub all: [S::Int; 2],
+    /// The low corner of each along each axis.
+    pub low: [Corner<S>; 3],
 }
 
 /// The rays of the corners of packets along an axis, in double precision.
-struct Corner<S: Simd> {
-    origin: S::Double,
-    step: S::Double,
+pub struct Corner<S: Simd> {
+    /// Where it is at plane 0.
+    pub origin: S::Double,
+    /// How far it goes from plane to plane.
+    pub step: S::Double,
 }
 
 impl<S: Simd> Corner<S> {
@@ -120,6 +124,7 @@ impl<S: Simd> Spans<S> {
                 Span::<S>::whole(S::ceil_double(all.begin)),
                 Span::<S>::whole(S::floor_double(all.end) + S::double(1.0)),
             ],
+            low,
         }
     }
 }

@@ -138,32 +138,49 @@ impl<S: Simd, K: Kind, const N: usize> Template<S, K, N> {
     /// The cells of vector `n` of the packet that is `moved` there, and the places in them; of samples that are not `inside`, any.
     #[inline(always)]
     pub fn places(&self, n: usize, voxels: &Voxels, moved: &Moved, inside: S::Mask) -> Places<S> {
-        let bits = self.bits() as i32;
         let at = each!(axis of [0, 1, 2] => self.away[axis][n] + S::int(moved.parts[axis]));
+        if K::FEW || moved.few {
+            return few_places(at);
+        }
+        let bits = self.bits as i32;
         let [x, y, z] = each!(axis of [0, 1, 2] => S::shift_right(at[axis], S::int(bits)));
         // What is behind the point, from the highest bit on.
         let part = each!(axis of [0, 1, 2] => S::shift_left(at[axis], S::int(32 - bits)));
         // The nearest of 2^15 parts.
         let second = S::shift_right(S::shift_right(part[0], S::int(16)) + S::int(1), S::int(1));
-        let cells = if K::FEW || moved.few {
-            let cell = x + S::shift_left(y, S::int(2)) + S::shift_left(z, S::int(4));
-            cell + S::shift_left(cell, S::int(16)) + S::int(1 << 16)
-        } else {
-            let [row, plane] = each!(stride of [voxels.strides[0], voxels.strides[1]] => S::int(stride as i32));
-            let cell = x + y * row + z * plane + S::int(moved.first as i32);
-            S::choose_int(inside, cell, S::int(0))
-        };
+        let [row, plane] = each!(stride of [voxels.strides[0], voxels.strides[1]] => S::int(stride as i32));
+        let cell = x + y * row + z * plane + S::int(moved.first as i32);
         Places {
-            cells,
+            cells: S::choose_int(inside, cell, S::int(0)),
             within: Within {
                 weights: S::weights(second),
-                parts: each!(axis of [1, 2] => {
-                    let part = S::shift_right(part[axis], S::int(32 - FINEST as i32));
-                    S::to_float(part) * S::float(1.0 / (1u32 << FINEST) as f32)
-                }),
+                parts: each!(axis of [1, 2] => fraction::<S>(S::shift_right(part[axis], S::int(32 - FINEST as i32)))),
             },
         }
     }
+}
+
+/// The cells and the places in them of samples that are so far from the first of few voxels along each axis, in parts of [`FINEST`] bits.
+#[inline(always)]
+fn few_places<S: Simd>([x, y, z]: [S::Int; 3]) -> Places<S> {
+    const BITS: i32 = FINEST as i32;
+    // The nearest of 2^15 parts along x; all of them are the next cell.
+    let x = x + S::int(1 << (BITS - 16));
+    let xy = S::shift_right(x, S::int(BITS)) | (S::shift_right(y, S::int(BITS - 2)) & S::int(0b1100));
+    let cell = xy | (S::shift_right(z, S::int(BITS - 4)) & S::int(0b11_0000));
+    Places {
+        cells: (cell | S::shift_left(cell, S::int(16))) + S::int(1 << 16),
+        within: Within {
+            weights: S::weights(S::shift_right(x, S::int(BITS - 15)) & S::int(0x7fff)),
+            parts: each!(of of [y, z] => fraction::<S>(of & S::int((1 << BITS) - 1))),
+        },
+    }
+}
+
+/// So many parts of [`FINEST`] bits as a number.
+#[inline(always)]
+fn fraction<S: Simd>(parts: S::Int) -> S::Float {
+    S::to_float(parts) * S::float(1.0 / (1u32 << FINEST) as f32)
 }
 
 /// See [`Template`].

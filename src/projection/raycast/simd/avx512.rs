@@ -4,7 +4,7 @@
 //! by row, and each sample takes its own from there by permutations.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
 use super::{Apart, EDGE, Kernel, Pairs, RAYS, Simd, Within, each};
 
@@ -75,6 +75,8 @@ operator!(Double, Mul, mul, |a, b| Double(
 operator!(Int, Add, add, |a, b| Int(_mm512_add_epi32(a.0, b.0)));
 operator!(Int, Sub, sub, |a, b| Int(_mm512_sub_epi32(a.0, b.0)));
 operator!(Int, Mul, mul, |a, b| Int(_mm512_mullo_epi32(a.0, b.0)));
+operator!(Int, BitAnd, bitand, |a, b| Int(_mm512_and_si512(a.0, b.0)));
+operator!(Int, BitOr, bitor, |a, b| Int(_mm512_or_si512(a.0, b.0)));
 
 /// Methods of [`Simd`] that are operations of the processor.
 macro_rules! operations {
@@ -179,6 +181,19 @@ impl Simd for Avx512 {
             Int(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(_mm512_cvtpd_epi32(x.0)), _mm512_cvtpd_epi32(x.1)))
         }
 
+        fn single(x: Double) -> Float {
+            Float(_mm512_castsi512_ps(_mm512_inserti64x4::<1>(
+                _mm512_castsi256_si512(_mm256_castps_si256(_mm512_cvtpd_ps(x.0))),
+                _mm256_castps_si256(_mm512_cvtpd_ps(x.1))
+            )))
+        }
+        fn to_double(x: Int) -> Double {
+            Double(
+                _mm512_cvtepi32_pd(_mm512_castsi512_si256(x.0)),
+                _mm512_cvtepi32_pd(_mm512_extracti64x4_epi64::<1>(x.0)),
+            )
+        }
+
         fn greater_int(a: Int, b: Int) -> u16 { _mm512_cmpgt_epi32_mask(a.0, b.0) }
         fn shift_right(a: Int, by: Int) -> Int { Int(_mm512_srlv_epi32(a.0, by.0)) }
         fn shift_left(a: Int, by: Int) -> Int { Int(_mm512_sllv_epi32(a.0, by.0)) }
@@ -193,6 +208,30 @@ impl Simd for Avx512 {
             }
         }
         fn weighed(pairs: Int, weights: Int) -> Float { Float(_mm512_cvtepi32_ps(_mm512_madd_epi16(pairs.0, weights.0))) }
+    }
+
+    #[inline(always)]
+    fn looked_up(table: &[i32; 2 * RAYS], places: Int) -> Int {
+        // SAFETY: the table is two registers, and only so many bits of a place are looked at; the processor has AVX-512.
+        unsafe {
+            let [low, high] = each!(from of [0, RAYS] => _mm512_loadu_si512(table.as_ptr().add(from).cast()));
+            Int(_mm512_permutex2var_epi32(low, places.0, high))
+        }
+    }
+
+    #[inline(always)]
+    fn bytes(all: &[u8], places: Int) -> Int {
+        let end = all
+            .len()
+            .checked_sub(3)
+            .expect("three more bytes")
+            .min(i32::MAX as usize) as i32;
+        // SAFETY: four bytes are there from any place on that is less than `end`; the processor has AVX-512.
+        unsafe {
+            let there = _mm512_cmplt_epu32_mask(places.0, _mm512_set1_epi32(end));
+            let fours = _mm512_mask_i32gather_epi32::<1>(_mm512_setzero_si512(), there, places.0, all.as_ptr().cast());
+            Int(_mm512_and_si512(fours, _mm512_set1_epi32(0xff)))
+        }
     }
 
     /// Four entries a register, one in each quarter, and then four by four transposed.

@@ -71,7 +71,12 @@ pub trait Simd: Copy + 'static {
     /// Some of sixteen.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
     /// Sixteen integers of 32 bits, which wrap.
-    type Int: Copy + Add<Output = Self::Int> + Sub<Output = Self::Int> + Mul<Output = Self::Int>;
+    type Int: Copy
+        + Add<Output = Self::Int>
+        + Sub<Output = Self::Int>
+        + Mul<Output = Self::Int>
+        + BitAnd<Output = Self::Int>
+        + BitOr<Output = Self::Int>;
     /// [`EDGE`]³ numbers of 16 bits, those of few voxels.
     type Few;
 
@@ -111,6 +116,10 @@ pub trait Simd: Copy + 'static {
     /// The nearest whole number; all must be less than 2³¹.
     fn whole_double(x: Self::Double) -> Self::Int;
 
+    /// The nearest number of single precision.
+    fn single(x: Self::Double) -> Self::Float;
+    fn to_double(x: Self::Int) -> Self::Double;
+
     fn greater_int(a: Self::Int, b: Self::Int) -> Self::Mask;
     fn shift_right(a: Self::Int, by: Self::Int) -> Self::Int;
     fn shift_left(a: Self::Int, by: Self::Int) -> Self::Int;
@@ -125,6 +134,10 @@ pub trait Simd: Copy + 'static {
     /// The sum of a pair's numbers times their weights.
     fn weighed(pairs: Self::Int, weights: Self::Int) -> Self::Float;
 
+    /// The numbers of a short table at the places of each, all of which it has.
+    fn looked_up(table: &[i32; 2 * RAYS], places: Self::Int) -> Self::Int;
+    /// The bytes at the places of each; 0 at others than are before the last three, of which there must be.
+    fn bytes(all: &[u8], places: Self::Int) -> Self::Int;
     /// The entries of a table at the places of each, all of which it has.
     fn entries<const LEN: usize>(table: &[[f32; 4]; LEN], places: Self::Int) -> [Self::Float; 4];
 

@@ -254,6 +254,16 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn single(x: Self::Double) -> Self::Float {
+        x.map(|x| x as f32)
+    }
+
+    #[inline(always)]
+    fn to_double(x: Self::Int) -> Self::Double {
+        x.map(f64::from)
+    }
+
+    #[inline(always)]
     fn greater_int(a: Self::Int, b: Self::Int) -> Mask {
         a.which(b, |a, b| a > b)
     }
@@ -299,6 +309,17 @@ impl Simd for Portable {
             let (first, second) = (pair << 16 >> 16, pair >> 16);
             (first * (weight << 16 >> 16) + second * (weight >> 16)) as f32
         })
+    }
+
+    #[inline(always)]
+    fn looked_up(table: &[i32; 2 * RAYS], places: Self::Int) -> Self::Int {
+        places.map(|place| table[place as usize % (2 * RAYS)])
+    }
+
+    #[inline(always)]
+    fn bytes(all: &[u8], places: Self::Int) -> Self::Int {
+        let all = &all[..all.len().checked_sub(3).expect("three more bytes")];
+        places.map(|place| all.get(place as u32 as usize).map_or(0, |byte| i32::from(*byte)))
     }
 
     #[inline(always)]
