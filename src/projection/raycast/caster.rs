@@ -7,10 +7,11 @@ use super::classify::Classifier;
 use super::gaps::{MARGIN, hops};
 use super::kind::{Any, Few, FewPlain, Plain};
 use super::light::Cue;
+use super::pixels::Pixels;
 use super::rays::{Depths, Rays};
 use super::shown::edge_for;
 use super::template::FEW;
-use super::tile::{self, Cast, Pixels, Scene, tile};
+use super::tile::{self, Cast, Scene, tile};
 use super::voxels::{CastBlock, CastTarget};
 use crate::image::Frame;
 use crate::projection::{FrameSpec, Lens, ProjectError, Projector, composite};
@@ -157,36 +158,7 @@ fn accumulate_by(
         stops: stops.as_ref().map(|stops| stops as _),
     };
     let mut frame = Frame::transparent(width, height);
-    // A few tiles are soon done, so that no thread waits long for another's last.
-    let parts = parts(&mut frame, tile).into_par_iter().with_max_len(1);
-    parts.for_each(|mut part| {
-        let [left, top] = part.first;
-        for column in (0..part.rows[0].len()).step_by(tile) {
-            cast(&scene, [left + column as u32, top], &mut part);
-        }
-    });
+    let parts = Pixels::of(&mut frame, tile).into_par_iter().with_max_len(1);
+    parts.for_each(|mut part| cast(&scene, &mut part));
     Ok(frame)
-}
-
-/// Columns of pixels that are cast together: some tiles side by side.
-const PART: usize = 64;
-
-/// A frame in parts, as high as tiles of `tile` pixels are.
-fn parts(frame: &mut Frame, tile: usize) -> Vec<Pixels<'_>> {
-    let width = frame.width() as usize;
-    let columns = width.div_ceil(PART);
-    let mut parts = Vec::new();
-    for (band, pixels) in frame.pixels_mut().chunks_mut(tile * width).enumerate() {
-        let first = parts.len();
-        parts.extend((0..columns).map(|column| Pixels {
-            first: [column * PART, band * tile].map(|n| n as u32),
-            rows: Vec::with_capacity(tile),
-        }));
-        for row in pixels.chunks_mut(width) {
-            for (part, pixels) in parts[first..].iter_mut().zip(row.chunks_mut(PART)) {
-                part.rows.push(pixels);
-            }
-        }
-    }
-    parts
 }

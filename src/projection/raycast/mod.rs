@@ -25,6 +25,7 @@ mod levels;
 mod light;
 mod normals;
 mod packet;
+mod pixels;
 mod places;
 mod power;
 mod rays;

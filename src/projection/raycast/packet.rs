@@ -6,13 +6,14 @@ use super::blend::{self, Colours};
 use super::boxes::CastBox;
 use super::classify::{Classifier, Samples};
 use super::kind::Kind;
+use super::pixels::Pixels;
 use super::places::{Place, Way};
 use super::rays::{Intervals, PacketRays};
 use super::sample::{BlockVectors, Bundle, Numbers};
 use super::simd::{EDGE, Kernel, RAYS, Simd};
 use super::spans::PACKETS;
 use super::template::{Template, edge, side, voxel};
-use super::tile::{Pixels, Scene};
+use super::tile::Scene;
 use super::voxels::Voxels;
 use crate::projection::composite::Blending;
 
@@ -65,19 +66,26 @@ fn first_of<const N: usize>([x, y]: [u32; 2], n: usize) -> [u32; 2] {
 }
 
 impl<S: Simd, const N: usize> Packets<S, N> {
-    /// Those of the tile that begins at pixel `first`; none has met a box.
+    /// Those of no tile.
     #[inline(always)]
-    pub fn new(first: [u32; 2]) -> Self {
+    pub fn new() -> Self {
         Self {
-            first,
+            first: [0; 2],
             begun: 0,
             lows: [[[0.0; 2]; 3]; COUNT],
             pixels: [[[S::float(0.0); 4]; N]; COUNT],
-            open: [[!S::none(); N]; COUNT],
+            open: [[S::none(); N]; COUNT],
             paths: [const { None }; COUNT],
             stops: [const { None }; COUNT],
             covered: [const { None }; COUNT],
         }
+    }
+
+    /// Turns to the tile that begins at pixel `first`; none has met a box.
+    #[inline(always)]
+    pub fn begin(&mut self, first: [u32; 2]) {
+        self.first = first;
+        self.begun = 0;
     }
 
     /// Turns to another box.
@@ -93,6 +101,8 @@ impl<S: Simd, const N: usize> Packets<S, N> {
         if self.begun >> n & 1 == 0 {
             self.begun |= 1 << n;
             self.lows[n] = scene.rays.low::<N>(first);
+            self.pixels[n] = [[S::float(0.0); 4]; N];
+            self.open[n] = [!S::none(); N];
             if let Some(paths) = scene.paths {
                 self.paths[n] = Some(of_pixels(first, |pixel| S::floats(each_ray(pixel, paths))));
             }

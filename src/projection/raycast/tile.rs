@@ -9,11 +9,12 @@ use super::classify::Classifier;
 use super::gaps::FARTHEST;
 use super::kind::Kind;
 use super::packet::{COUNT, March, Packets};
+use super::pixels::Pixels;
 use super::places::STRETCH;
 use super::rays::Rays;
 #[cfg(target_arch = "x86_64")]
 use super::simd::Avx512;
-use super::simd::{EDGE, Kernel, Portable, RAYS, Simd, each};
+use super::simd::{Kernel, Portable, Simd, each};
 use super::spans::{PACKETS, Spans};
 use super::template::{Template, edge};
 use super::voxels::CastTarget;
@@ -39,115 +40,92 @@ pub struct Scene<'a> {
     pub stops: Option<&'a (dyn Fn([u32; 2]) -> i32 + Sync)>,
 }
 
-/// Pixels of a frame, those of a few tiles side by side.
-pub struct Pixels<'a> {
-    /// The first of them.
-    pub first: [u32; 2],
-    /// All, row by row: as many rows as a tile has, but at the lower edge of the frame.
-    pub rows: Vec<&'a mut [[f32; 4]]>,
-}
-
-/// Casts the tile that begins at a pixel, and writes those squares of its pixels that anything may cover.
-pub type Cast = fn(&Scene, [u32; 2], &mut Pixels);
-
-impl Pixels<'_> {
-    /// Writes what of a square of pixels is among them.
-    #[inline(always)]
-    pub fn write(&mut self, first: [u32; 2], square: &[[f32; 4]; RAYS]) {
-        let [column, row] = [0, 1].map(|axis| (first[axis] - self.first[axis]) as usize);
-        let rows = self.rows.iter_mut().skip(row);
-        for (row, pixels) in rows.zip(square.as_chunks::<EDGE>().0) {
-            match row.get_mut(column..column + EDGE) {
-                Some(whole) => whole.copy_from_slice(pixels),
-                None => write_some(row.get_mut(column..).unwrap_or_default(), pixels),
-            }
-        }
-    }
-}
-
-/// Writes what of a row of pixels there is room for.
-#[cold]
-#[inline(never)]
-fn write_some(row: &mut [[f32; 4]], pixels: &[[f32; 4]; EDGE]) {
-    row.copy_from_slice(&pixels[..row.len()]);
-}
+/// Casts the tiles that pixels are of, and writes those of squares that anything may cover.
+pub type Cast = fn(&Scene, &mut Pixels);
 
 /// By the widest vectors that the processor has, in packets of `N`.
-pub fn by_widest<K: Kind, const N: usize>(scene: &Scene, first: [u32; 2], pixels: &mut Pixels) {
+pub fn by_widest<K: Kind, const N: usize>(scene: &Scene, pixels: &mut Pixels) {
     #[cfg(target_arch = "x86_64")]
     if Avx512::is_there() {
-        return Avx512::run(TileCast::<K, N>::new(scene, first, pixels));
+        return Avx512::run(Tiles::<K, N>::new(scene, pixels));
     }
-    by_arrays::<K, N>(scene, first, pixels);
+    by_arrays::<K, N>(scene, pixels);
 }
 
 /// By arrays, whatever vectors the processor has.
-pub fn by_arrays<K: Kind, const N: usize>(scene: &Scene, first: [u32; 2], pixels: &mut Pixels) {
-    Portable::run(TileCast::<K, N>::new(scene, first, pixels));
+pub fn by_arrays<K: Kind, const N: usize>(scene: &Scene, pixels: &mut Pixels) {
+    Portable::run(Tiles::<K, N>::new(scene, pixels));
 }
 
-/// A tile that is to be cast, in packets of `N` vectors.
-struct TileCast<'a, 'b, 'c, K: Kind, const N: usize> {
+/// Tiles side by side that are to be cast, in packets of `N` vectors.
+struct Tiles<'a, 'b, 'c, K: Kind, const N: usize> {
     scene: &'a Scene<'b>,
-    first: [u32; 2],
     pixels: &'a mut Pixels<'c>,
     kind: PhantomData<K>,
 }
 
-impl<S: Simd, K: Kind, const N: usize> Kernel<S> for TileCast<'_, '_, '_, K, N> {
+impl<S: Simd, K: Kind, const N: usize> Kernel<S> for Tiles<'_, '_, '_, K, N> {
     #[inline(always)]
     fn run(self) {
-        let mut packets = Packets::<S, N>::new(self.first);
-        let mut template = Template::new(&self.scene.rays, 0);
-        for cast_box in self.scene.boxes {
-            self.cast(&mut packets, &mut template, cast_box);
+        let mut packets = Packets::<S, N>::new();
+        let mut template = Template::<S, K, N>::new(&self.scene.rays, 0);
+        let [left, top] = self.pixels.first;
+        for column in (left..self.pixels.end()).step_by(tile(N)) {
+            packets.begin([column, top]);
+            for cast_box in self.scene.boxes {
+                cast(self.scene, [column, top], cast_box, (&mut packets, &mut template));
+            }
+            packets.write(self.pixels);
         }
-        packets.write(self.pixels);
     }
 }
 
-impl<'a, 'b, 'c, K: Kind, const N: usize> TileCast<'a, 'b, 'c, K, N> {
-    fn new(scene: &'a Scene<'b>, first: [u32; 2], pixels: &'a mut Pixels<'c>) -> Self {
+impl<'a, 'b, 'c, K: Kind, const N: usize> Tiles<'a, 'b, 'c, K, N> {
+    fn new(scene: &'a Scene<'b>, pixels: &'a mut Pixels<'c>) -> Self {
         Self {
             scene,
-            first,
             pixels,
             kind: PhantomData,
         }
     }
+}
 
-    #[inline(always)]
-    fn cast<S: Simd>(&self, packets: &mut Packets<S, N>, template: &mut Template<S, K, N>, cast_box: &CastBox) {
-        let (scene, first) = (self.scene, self.first);
-        let covers = |axis: usize| {
-            let Range { start, end } = cast_box.pixels[axis];
-            start < first[axis] + tile(N) as u32 && first[axis] < end
-        };
-        if !covers(0) || !covers(1) {
-            return;
-        }
-        let voxels = &scene.target.blocks[cast_box.block].voxels();
-        let spans = Spans::<S>::new(&scene.rays, edge(N), first, cast_box);
-        let mut next = S::int_array(approach::<S>(scene, cast_box, voxels, &spans));
-        let ends = S::int_array(spans.any[1]);
-        let [begin, end] = each!(of of [spans.all[0], spans.all[1]] => S::int_array(of));
-        packets.turn();
-        while let Some(nearest) = (0..COUNT).filter(|n| next[*n] < ends[*n]).map(|n| next[n]).min() {
-            // All packets go on by a stretch before any goes on by the next: what they read stays in a processor's cache.
-            let stretch_end = nearest - nearest % STRETCH + STRETCH;
-            for n in 0..COUNT {
-                let end_here = ends[n].min(stretch_end);
-                if next[n] < end_here {
-                    S::run(March {
-                        packet: packets.packet(scene, n, begin[n]..end[n]),
-                        scene,
-                        voxels,
-                        cast_box,
-                        template,
-                        next: &mut next[n],
-                        end: end_here,
-                    });
-                }
+/// Casts the tile that begins at pixel `first` through a box, if that is seen there.
+#[inline(always)]
+fn cast<S: Simd, K: Kind, const N: usize>(
+    scene: &Scene,
+    first: [u32; 2],
+    cast_box: &CastBox,
+    (packets, template): (&mut Packets<S, N>, &mut Template<S, K, N>),
+) {
+    let covers = |axis: usize| {
+        let Range { start, end } = cast_box.pixels[axis];
+        start < first[axis] + tile(N) as u32 && first[axis] < end
+    };
+    if !covers(0) || !covers(1) {
+        return;
+    }
+    let voxels = &scene.target.blocks[cast_box.block].voxels();
+    let spans = Spans::<S>::new(&scene.rays, edge(N), first, cast_box);
+    let mut next = S::int_array(approach::<S>(scene, cast_box, voxels, &spans));
+    let ends = S::int_array(spans.any[1]);
+    let [begin, end] = each!(of of [spans.all[0], spans.all[1]] => S::int_array(of));
+    packets.turn();
+    while let Some(nearest) = (0..COUNT).filter(|n| next[*n] < ends[*n]).map(|n| next[n]).min() {
+        // All packets go on by a stretch before any goes on by the next: what they read stays in a processor's cache.
+        let stretch_end = nearest - nearest % STRETCH + STRETCH;
+        for n in 0..COUNT {
+            let end_here = ends[n].min(stretch_end);
+            if next[n] < end_here {
+                S::run(March {
+                    packet: packets.packet(scene, n, begin[n]..end[n]),
+                    scene,
+                    voxels,
+                    cast_box,
+                    template,
+                    next: &mut next[n],
+                    end: end_here,
+                });
             }
         }
     }
