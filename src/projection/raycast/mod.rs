@@ -11,7 +11,7 @@
 //! *Practice.* The frame is cut in parts of a few tiles, each the work of one thread, and tiles in packets of 4×4 pixels, or of 8×8 where
 //! those are not far apart; of each block the box of what shows is cast. All packets are one template, moved. A packet takes the samples
 //! of its rays at a plane together, and hops over planes at which nothing shows, by distances that are found when the transfer function
-//! changes. What is known of a frame before it is cast is its kind, and there is a program for each. A ray ends when it is as opaque as where
+//! changes; to what shows first, all packets of a tile hop at once. What is known of a frame before it is cast is its kind, and there is a program for each. A ray ends when it is as opaque as where
 //! slices close a pixel, and normals are read where a sample shows.
 
 mod approach;

@@ -7,7 +7,7 @@ use super::boxes::CastBox;
 use super::classify::{Classifier, Samples};
 use super::kind::Kind;
 use super::pixels::Pixels;
-use super::places::{Place, Way};
+use super::places::Way;
 use super::rays::{Intervals, PacketRays};
 use super::sample::{BlockVectors, Bundle, Numbers};
 use super::simd::{EDGE, Kernel, RAYS, Simd};
@@ -210,7 +210,7 @@ impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
             way.go_on(1);
             if K::FEW || moved.few {
                 // What comes next is on its way while this is worked out.
-                ask_for::<S>(self.voxels, &way.at);
+                ask_for::<S>(self.voxels, &way);
             }
             let Some(inside) = self.packet.inside(self.scene, self.cast_box, plane) else {
                 plane = i32::MAX;
@@ -243,13 +243,14 @@ impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
     }
 }
 
-/// Says that few voxels round a packet will soon be read.
+/// Says that few voxels round a packet will soon be read: those that it comes to next, as most of the others have been.
 #[inline(always)]
-fn ask_for<S: Simd>(voxels: &Voxels, at: &Place) {
-    let first = voxels.index(voxel(at)) as usize;
-    S::ask_for(first, voxels.strides, voxels.weighted);
+fn ask_for<S: Simd>(voxels: &Voxels, way: &Way) {
+    let last = way.last();
+    let first = voxels.index(voxel(&way.at)) as usize;
+    S::ask_for(first, voxels.strides, last, voxels.weighted);
     if !voxels.normals.is_empty() {
-        S::ask_for(first, voxels.strides, voxels.normals);
+        S::ask_for(first, voxels.strides, last, voxels.normals);
     }
 }
 

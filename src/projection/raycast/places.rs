@@ -4,7 +4,7 @@
 //! low corner is in double precision; a stretch of planes begins where it is, and goes on by whole steps. Stretches are the frame's,
 //! so a place is the same in whatever box a packet comes to it.
 
-use super::simd::each;
+use super::simd::{EDGE, each};
 
 /// Bits behind the point.
 pub const BITS: u32 = 32;
@@ -48,5 +48,11 @@ impl Way {
     pub fn go_on(&mut self, planes: i32) {
         let planes = i64::from(planes);
         self.at = each!(axis of [0, 1, 2] => self.at[axis].wrapping_add(planes.wrapping_mul(self.step[axis])));
+    }
+
+    /// Which row and which plane of few voxels it comes to next.
+    #[inline(always)]
+    pub fn last(&self) -> [usize; 2] {
+        each!(axis of [1, 2] => if self.step[axis] < 0 { 0 } else { EDGE - 1 })
     }
 }

@@ -272,12 +272,16 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn ask_for<T>(corner: usize, [y, z]: [usize; 2], stored: &[T]) {
+    fn ask_for<T>(corner: usize, [y, z]: [usize; 2], [last_y, last_z]: [usize; 2], stored: &[T]) {
         let first = stored.as_ptr().wrapping_add(corner);
-        for row in 0..EDGE * EDGE {
-            let row = first.wrapping_add(row % EDGE * y + row / EDGE * z);
+        let ask = |row: usize, plane: usize| {
+            let row = first.wrapping_add(row * y + plane * z);
             // SAFETY: nothing is read, so any place can be asked for; the processor has SSE.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(row.cast()) };
+        };
+        for n in 0..EDGE {
+            ask(last_y, n);
+            ask(n, last_z);
         }
     }
 

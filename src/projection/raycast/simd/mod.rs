@@ -144,8 +144,9 @@ pub trait Simd: Copy + 'static {
     /// Four numbers of each, side by side.
     fn side_by_side(of: [Self::Float; 4]) -> [[f32; 4]; RAYS];
 
-    /// Says that the few voxels of a packet from `corner` on, whose rows and planes are so far apart, will soon be read, if that can be said.
-    fn ask_for<T>(corner: usize, strides: [usize; 2], stored: &[T]);
+    /// Says that of the few voxels of a packet from `corner` on, whose rows and planes are so far apart, the `last` row of each plane and all of the
+    /// `last` plane will soon be read, if that can be said.
+    fn ask_for<T>(corner: usize, strides: [usize; 2], last: [usize; 2], stored: &[T]);
     /// Whether any of few numbers is at least that one.
     fn any_at_least(few: &Self::Few, least: i16) -> bool;
     /// The numbers of the few voxels of a packet from `corner` on, whose rows and planes are so far apart.

@@ -339,7 +339,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn ask_for<T>(_: usize, _: [usize; 2], _: &[T]) {}
+    fn ask_for<T>(_: usize, _: [usize; 2], _: [usize; 2], _: &[T]) {}
 
     #[inline(always)]
     fn any_at_least(few: &Self::Few, least: i16) -> bool {
