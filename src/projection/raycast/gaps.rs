@@ -230,6 +230,16 @@ mod tests {
             }
         }
 
+        /// Of long blocks nothing is told by single precision.
+        #[test]
+        fn long_blocks_are_told_by_whole_numbers(more in 0usize..3) {
+            let length = LONGEST / 8 - 2 + more;
+            let cells = Cells { edge: 8, begin: DVec3::ZERO, dims: [length, 1, 1], shown: vec![false; length] };
+            let gaps = Gaps::new(&cells);
+            prop_assert!(gaps.free(&[0; 3]) > 0);
+            prop_assert_eq!(free_by::<Portable>(&gaps, [0.5; 3]) > 0, more == 0);
+        }
+
         /// A packet that hops comes no farther than it may.
         #[test]
         fn hops_are_short_enough(edge in 1usize..64, planes_per_voxel in 0.01f64..9.0) {

@@ -208,7 +208,7 @@ impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
             self.template.turn_to(&self.scene.rays, plane);
             let moved = self.template.moved(self.voxels, &way.at);
             way.go_on(1);
-            if K::FEW || moved.few {
+            if moved.is_few::<K>() {
                 // What comes next is on its way while this is worked out.
                 ask_for::<S>(self.voxels, &way);
             }

@@ -36,10 +36,11 @@ impl<'a, S: Simd> Numbers<'a, S> {
     /// Those of a block, those round a packet that is `moved` there read if they are few.
     #[inline(always)]
     pub fn new<K: Kind>(voxels: &Voxels, moved: &Moved, stored: &'a [i16]) -> Self {
-        let few = K::FEW || moved.few;
         Self {
             stored,
-            few: few.then(|| S::few(moved.first as usize, voxels.strides, stored)),
+            few: moved
+                .is_few::<K>()
+                .then(|| S::few(moved.first as usize, voxels.strides, stored)),
         }
     }
 
@@ -115,7 +116,7 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
     /// The trilinear samples of the first three parts of vectors, those of vector `n` that are `shown`, likewise.
     #[inline(always)]
     pub fn vectors(&self, n: usize, vectors: &mut Vectors<S>, shown: S::Mask) -> [S::Float; 3] {
-        if !self.few() {
+        if !self.moved.is_few::<K>() {
             return S::apart_vectors(&self.apart(n), &self.places[n].within, vectors.stored, shown);
         }
         let few = match &vectors.few {
@@ -127,12 +128,6 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
             )),
         };
         each!(part of [0, 1, 2] => self.interpolate(n, S::take(&few[part], self.places[n].cells)))
-    }
-
-    /// Whether all its voxels are few.
-    #[inline(always)]
-    fn few(&self) -> bool {
-        K::FEW || self.moved.few
     }
 
     #[inline(always)]

@@ -139,7 +139,7 @@ impl<S: Simd, K: Kind, const N: usize> Template<S, K, N> {
     #[inline(always)]
     pub fn places(&self, n: usize, voxels: &Voxels, moved: &Moved, inside: S::Mask) -> Places<S> {
         let at = each!(axis of [0, 1, 2] => self.away[axis][n] + S::int(moved.parts[axis]));
-        if K::FEW || moved.few {
+        if moved.is_few::<K>() {
             return few_places(at);
         }
         let bits = self.bits as i32;
@@ -197,8 +197,16 @@ pub struct Moved {
     pub first: isize,
     /// How far the low corner is from it along each axis, in parts of a voxel.
     parts: [i32; 3],
+    /// See [`Self::is_few`].
+    few: bool,
+}
+
+impl Moved {
     /// Whether all samples in the block are among [`EDGE`]³ of its voxels.
-    pub few: bool,
+    #[inline(always)]
+    pub fn is_few<K: Kind>(&self) -> bool {
+        K::FEW || self.few
+    }
 }
 
 /// The voxel at the low corner of a place's cell.
