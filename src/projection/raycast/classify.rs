@@ -5,8 +5,9 @@ use super::kind::Kind;
 use super::light::{Cue, Lights};
 use super::power::lengthen;
 use super::sample::{BlockVectors, Bundle, Numbers, Vectors};
-use super::simd::{ONE_WEIGHT, Simd, each, larger, smaller};
-use super::voxels::{NONE, ONE};
+use super::simd::{ALL_WEIGHTS, PAIRS, Simd, each, larger, smaller};
+use super::template::pairs;
+use super::voxels::{ONE, PER_ENTRY};
 use crate::projection::composite::Blending;
 use crate::projection::{FrameSpec, Mode, TransferTable};
 
@@ -22,8 +23,8 @@ pub struct Classifier {
     table: Box<Table>,
     /// The first entry that shows, and the last one; none does if the one is not before the other.
     shown: [i32; 2],
-    /// No sample shows of plain values that are all less.
-    least: i16,
+    /// The least and the largest number that is stored for plain values that show.
+    shown_values: [i16; 2],
     /// See [`FrameSpec::slab_units`].
     slab_units: Option<f32>,
     lights: Option<Lights>,
@@ -32,12 +33,10 @@ pub struct Classifier {
 
 /// What a bundle's samples are classified by.
 pub struct Samples<S: Simd, const N: usize> {
-    /// Values, or opacities, times coverage, as they are sampled.
-    weighted: [S::Float; N],
-    /// Coverage, in parts of [`ONE`]; `None` where it is 1.
-    coverage: Option<[S::Float; N]>,
-    /// The table's entry for each, of values that are classified.
-    entries: [S::Int; N],
+    /// Values, or opacities, times coverage, in parts of [`ONE`].
+    weighted: [S::Short; PAIRS],
+    /// Coverage, likewise; `None` where it is 1.
+    coverage: Option<[S::Short; PAIRS]>,
     /// Which of them may show.
     shown: [S::Mask; N],
     /// A bit for each vector of which any may.
@@ -55,7 +54,7 @@ impl Classifier {
         Self {
             mode: spec.settings.mode,
             shown: [first, last].map(|entry| entry as i32),
-            least: least(first),
+            shown_values: values(first, last),
             table: entries,
             slab_units: spec.slab_units().map(|units| units as f32),
             lights: spec.shading().map(|shading| Lights::new(spec, shading)),
@@ -72,48 +71,51 @@ impl Classifier {
     /// Whether any sample of values may show, with these round it.
     #[inline(always)]
     pub fn any_may_show<S: Simd, K: Kind>(&self, weighted: &Numbers<S>) -> bool {
-        !K::PLAIN || weighted.any_at_least(self.least)
+        !K::PLAIN || weighted.any_at_least(self.shown_values[0])
     }
 
     /// The samples of a bundle; `None` if none of them shows.
     #[inline(always)]
     pub fn samples<S: Simd, K: Kind, const N: usize>(&self, bundle: &Bundle<S, K, N>) -> Option<Samples<S, N>> {
-        let nothing = [S::float(0.0); N];
+        let covered =
+            !K::PLAIN && !bundle.voxels.coverage.is_empty() && (self.slab_units.is_none() || !self.mode.classifies());
+        let coverage = if covered {
+            Some(bundle.sampled(&bundle.numbers(bundle.voxels.coverage)))
+        } else {
+            None
+        };
         let mut samples = Samples {
-            weighted: nothing,
-            coverage: None,
-            entries: [S::int(0); N],
+            weighted: bundle.sampled(&bundle.weighted),
+            coverage,
             shown: bundle.inside,
             any: 0,
         };
-        if !K::PLAIN && !bundle.voxels.coverage.is_empty() && (self.slab_units.is_none() || !self.mode.classifies()) {
-            let coverage = bundle.numbers(bundle.voxels.coverage);
-            let mut all = nothing;
-            for (n, of) in all.iter_mut().enumerate() {
-                *of = ones::<S>(bundle.sampled(n, &coverage));
+        for m in 0..pairs(N) {
+            let may_show = self.may_show::<S, K, N>(m, &samples);
+            for n in 2 * m..N.min(2 * m + 2) {
+                samples.shown[n] = samples.shown[n] & may_show[n % 2];
+                samples.any |= u32::from(S::bits(samples.shown[n]) != 0) << n;
             }
-            samples.coverage = Some(all);
-        }
-        for n in 0..N {
-            samples.weighted[n] = bundle.sampled(n, &bundle.weighted);
-            samples.shown[n] = bundle.inside[n] & self.may_show::<S, K, N>(n, &mut samples);
-            samples.any |= u32::from(S::bits(samples.shown[n]) != 0) << n;
         }
         (samples.any != 0).then_some(samples)
     }
 
-    /// Which samples of vector `n` may show, their entries found if values are classified by the table.
+    /// Which samples of pair `m` of vectors may show.
     #[inline(always)]
-    fn may_show<S: Simd, K: Kind, const N: usize>(&self, n: usize, samples: &mut Samples<S, N>) -> S::Mask {
+    fn may_show<S: Simd, K: Kind, const N: usize>(&self, m: usize, samples: &Samples<S, N>) -> [S::Mask; 2] {
         if !K::PLAIN && !self.mode.classifies() {
-            return !S::none();
+            return [!S::none(); 2];
         }
         if !K::PLAIN && self.slab_units.is_some() {
-            return S::greater(ones::<S>(samples.weighted[n]), S::float(0.0));
+            return S::in_range(samples.weighted[m], [1, i16::MAX]);
         }
-        let entries = self.entries::<S, N>(samples.weighted[n], &samples.coverage, n);
-        samples.entries[n] = entries;
-        !(S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1])))
+        match &samples.coverage {
+            Some(coverage) if !K::PLAIN => each!(n of [2 * m, 2 * m + 1] => {
+                let entries = self.entries::<S>(&samples.weighted, Some(coverage), n);
+                !(S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1])))
+            }),
+            _ => S::in_range(samples.weighted[m], self.shown_values),
+        }
     }
 
     /// What is blended of vector `n` of samples; `None` where none of them shows.
@@ -151,9 +153,9 @@ impl Classifier {
         samples: &Samples<S, N>,
     ) -> Colours<S> {
         let one = S::float(1.0);
-        let weighted = S::divide(ones::<S>(samples.weighted[n]), S::float(ONE));
+        let weighted = fraction::<S>(&samples.weighted, n);
         let coverage = match &samples.coverage {
-            Some(coverage) => S::divide(coverage[n], S::float(ONE)),
+            Some(coverage) => fraction::<S>(coverage, n),
             None => one,
         };
         let path = match bundle.paths {
@@ -178,16 +180,14 @@ impl Classifier {
         samples: &Samples<S, N>,
     ) -> Option<Colours<S>> {
         let nothing = S::int(NOTHING as i32);
-        let mut sources = S::entries(
-            &self.table,
-            S::choose_int(samples.shown[n], samples.entries[n], nothing),
-        );
+        let entries = self.entries::<S>(&samples.weighted, samples.coverage.as_ref(), n);
+        let mut sources = S::entries(&self.table, S::choose_int(samples.shown[n], entries, nothing));
         if !K::PLAIN {
             if let Some(paths) = bundle.paths {
                 sources = lengthen::<S>(&sources, paths[n]);
             }
             if let Some(coverage) = &samples.coverage {
-                let coverage = S::divide(coverage[n], S::float(ONE));
+                let coverage = fraction::<S>(coverage, n);
                 sources = each!(c of [0, 1, 2, 3] => sources[c] * coverage);
             }
         }
@@ -196,28 +196,21 @@ impl Classifier {
 
     /// The table's entry for each sample of vector `n`.
     #[inline(always)]
-    fn entries<S: Simd, const N: usize>(
-        &self,
-        weighted: S::Float,
-        coverage: &Option<[S::Float; N]>,
-        n: usize,
-    ) -> S::Int {
+    fn entries<S: Simd>(&self, weighted: &[S::Short; PAIRS], coverage: Option<&[S::Short; PAIRS]>, n: usize) -> S::Int {
         const LAST: f32 = (TransferTable::LEN - 1) as f32;
-        S::whole(match coverage {
-            None => S::mul_add(
-                weighted,
-                S::float(LAST / ONE / ONE_WEIGHT),
-                S::float(-NONE * LAST / ONE),
+        let weighted = S::wide(weighted, n);
+        match coverage {
+            None => S::shift_right(
+                weighted + S::int(i32::from(PER_ENTRY) / 2),
+                S::int(PER_ENTRY.ilog2() as i32),
             ),
             // Where nothing is covered the quotient is any number, and its colour weighs nothing.
             Some(coverage) => {
-                let value = S::divide(
-                    ones::<S>(weighted),
-                    larger::<S>(coverage[n], S::float(f32::MIN_POSITIVE)),
-                );
-                smaller::<S>(value, S::float(1.0)) * S::float(LAST)
+                let coverage = S::to_float(S::wide(coverage, n));
+                let value = S::divide(S::to_float(weighted), larger::<S>(coverage, S::float(f32::MIN_POSITIVE)));
+                S::whole(smaller::<S>(value, S::float(1.0)) * S::float(LAST))
             }
-        })
+        }
     }
 
     /// Colours that are classified already, for a path of so many unit lengths a millimetre of depth.
@@ -230,11 +223,13 @@ impl Classifier {
         rgb: &mut Vectors<S>,
         units: f32,
     ) -> Colours<S> {
-        let opacity = S::choose(samples.shown[n], ones::<S>(samples.weighted[n]), S::float(0.0));
+        let opacity = S::choose(samples.shown[n], fraction::<S>(&samples.weighted, n), S::float(0.0));
         // Rounding may bring a colour above its opacity.
         let rgb = bundle.vectors(n, rgb, samples.shown[n]);
-        let [r, g, b] = each!(c of [0, 1, 2] => smaller::<S>(ones::<S>(rgb[c]), opacity));
-        let sources = each!(c of [r, g, b, opacity] => S::divide(c, S::float(ONE)));
+        let [r, g, b] = each!(c of [0, 1, 2] => {
+            smaller::<S>(rgb[c] * S::float(1.0 / (ALL_WEIGHTS * ONE)), opacity)
+        });
+        let sources = [r, g, b, opacity];
         let units = S::float(units);
         let lengths = match bundle.paths {
             Some(paths) => units * paths[n],
@@ -271,15 +266,17 @@ impl Classifier {
     }
 }
 
-/// What is stored for the least number of which a sample may have table entry `first`: samples are no more than the largest number round them but for
-/// rounding, which is less than a step.
-fn least(first: usize) -> i16 {
-    let step = ONE / (TransferTable::LEN - 1) as f32;
-    ((first as f32 - 0.5) * step - 1.0 + NONE) as i16
+/// The least and the largest number that is stored for values with entries from `first` to `last` on; larger than all if there are none.
+fn values(first: usize, last: usize) -> [i16; 2] {
+    if first > last {
+        return [i16::MAX; 2];
+    }
+    let least = |entry: usize| (entry as i32 * i32::from(PER_ENTRY) - i32::from(PER_ENTRY) / 2) as i16;
+    [least(first), least(last + 1) - 1]
 }
 
-/// What is sampled, in parts of [`ONE`] from [`NONE`] on.
+/// What is sampled in parts of [`ONE`], of vector `n`.
 #[inline(always)]
-fn ones<S: Simd>(sampled: S::Float) -> S::Float {
-    S::mul_add(sampled, S::float(1.0 / ONE_WEIGHT), S::float(-NONE))
+fn fraction<S: Simd>(sampled: &[S::Short; PAIRS], n: usize) -> S::Float {
+    S::divide(S::to_float(S::wide(sampled, n)), S::float(ONE))
 }

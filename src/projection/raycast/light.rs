@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::rays::{Depths, Rays};
-use super::simd::{ONE_WEIGHT, Simd, each};
+use super::simd::{ALL_WEIGHTS, Simd, each};
 use super::voxels::ONE_NORMAL;
 use crate::projection::{DepthCue, FrameSpec, Light, Shading};
 
@@ -25,7 +25,7 @@ struct Lit {
 }
 
 /// What a part of a normal is times its sample; the sign is nothing to a normal.
-const NORMAL: f32 = 1.0 / (ONE_NORMAL * ONE_WEIGHT.abs());
+const NORMAL: f32 = 1.0 / (ONE_NORMAL * ALL_WEIGHTS.abs());
 
 impl Lights {
     /// For the frame of `spec`.
@@ -49,7 +49,7 @@ impl Lights {
         }
     }
 
-    /// The factor of a colour and the white highlight for each soft normal, as it is sampled: in parts of [`ONE_NORMAL`] times [`ONE_WEIGHT`].
+    /// The factor of a colour and the white highlight for each soft normal, as it is sampled: in parts of [`ONE_NORMAL`] times [`ALL_WEIGHTS`].
     #[inline(always)]
     pub fn response<S: Simd>(&self, normals: &[S::Float; 3]) -> (S::Float, S::Float) {
         let [x, y, z] = *normals;

@@ -266,7 +266,7 @@ fn blend<S: Simd, K: Kind, const N: usize>(
     let mut vectors = BlockVectors::of(bundle.voxels);
     let mut left = samples.any;
     while left != 0 {
-        let n = left.trailing_zeros() as usize;
+        let n = if N == 1 { 0 } else { left.trailing_zeros() as usize };
         left &= left - 1;
         if let Some(sources) = classifier.sources(bundle, n, samples, &mut vectors) {
             blend::under::<S>(blending, &mut pixels[n], &sources);

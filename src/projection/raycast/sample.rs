@@ -1,15 +1,15 @@
 //! Samples of a block's voxels, a bundle at a time: those of a packet at one plane.
 //!
-//! *Practice.* Where all cells of a bundle are among few voxels, those are read once for all its vectors, and else each cell's own; all
-//! else is done for all samples of a vector before the next. Of a cell's four edges along x the two ends are weighed in whole numbers,
-//! which is one operation of a processor, and what comes of that is interpolated along y and z.
-
-use std::marker::PhantomData;
+//! *Practice.* Where all cells of a bundle are among few voxels, those are read once for all its vectors, and else each cell's own. All that
+//! is between reading and classifying is in whole numbers of 16 bits, thirty-two at once: a number is interpolated along x, y and z
+//! and rounded each time, so samples among equal numbers are that number. Of vectors, which fewer samples ask for, all three parts are
+//! weighed by the same eight weights.
 
 use super::kind::Kind;
-use super::simd::{Apart, Pairs, Simd, each};
-use super::template::{Moved, Places, Template};
+use super::simd::{Apart, PAIRS, Places, Simd, each};
+use super::template::{Moved, Template, pairs};
 use super::voxels::Voxels;
+
 
 /// The samples of a packet at a plane, those of one block.
 pub struct Bundle<'a, S: Simd, K: Kind, const N: usize> {
@@ -21,9 +21,12 @@ pub struct Bundle<'a, S: Simd, K: Kind, const N: usize> {
     pub paths: &'a Option<[S::Float; N]>,
     /// Values times coverage, or opacities.
     pub weighted: Numbers<'a, S>,
+    template: &'a Template<S, K, N>,
     moved: Moved,
-    places: [Places<S>; N],
-    kind: PhantomData<K>,
+    /// Which of few voxels is at the low corner of each cell, if they are few.
+    cells: [S::Short; PAIRS],
+    /// How far samples are in their cells along each axis, in parts of 2¹⁵.
+    within: [[S::Short; PAIRS]; 3],
 }
 
 /// Numbers of a block.
@@ -77,13 +80,19 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
     #[inline(always)]
     pub fn new(
         (voxels, weighted): (&'a Voxels<'a>, Numbers<'a, S>),
-        (template, moved): (&Template<S, K, N>, Moved),
+        (template, moved): (&'a Template<S, K, N>, Moved),
         (plane, inside): (i32, [S::Mask; N]),
         paths: &'a Option<[S::Float; N]>,
     ) -> Self {
-        let mut places = [template.places(0, voxels, &moved, inside[0]); N];
-        for n in 1..N {
-            places[n] = template.places(n, voxels, &moved, inside[n]);
+        let first = template.places(0, &moved);
+        let mut cells = [first.cell; PAIRS];
+        let mut within = each!(axis of [0, 1, 2] => [first.within[axis]; PAIRS]);
+        for m in 1..pairs(N) {
+            let places = template.places(m, &moved);
+            cells[m] = places.cell;
+            for axis in 0..3 {
+                within[axis][m] = places.within[axis];
+            }
         }
         Self {
             voxels,
@@ -91,9 +100,10 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
             plane,
             paths,
             weighted,
+            template,
             moved,
-            places,
-            kind: PhantomData,
+            cells,
+            within,
         }
     }
 
@@ -103,21 +113,40 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
         Numbers::new::<K>(self.voxels, &self.moved, stored)
     }
 
-    /// The trilinear samples of numbers, those of vector `n`, in parts of [`ONE_WEIGHT`](super::simd::ONE_WEIGHT) of what is stored.
+    /// The trilinear samples of numbers from 0 on.
     #[inline(always)]
-    pub fn sampled(&self, n: usize, numbers: &Numbers<S>) -> S::Float {
-        let pairs = match &numbers.few {
-            Some(few) => S::take(few, self.places[n].cells),
-            None => S::apart_pairs(&self.apart(n), numbers.stored),
-        };
-        self.interpolate(n, pairs)
+    pub fn sampled(&self, numbers: &Numbers<S>) -> [S::Short; PAIRS] {
+        let mut all = [self.sampled_pair(0, numbers); PAIRS];
+        for (m, samples) in all.iter_mut().enumerate().take(pairs(N)).skip(1) {
+            *samples = self.sampled_pair(m, numbers);
+        }
+        all
     }
 
-    /// The trilinear samples of the first three parts of vectors, those of vector `n` that are `shown`, likewise.
+    /// Those of pair `m` of vectors.
+    #[inline(always)]
+    fn sampled_pair(&self, m: usize, numbers: &Numbers<S>) -> S::Short {
+        let within = each!(axis of [0, 1, 2] => self.within[axis][m]);
+        let vectors = N.min(2);
+        if let Some(few) = &numbers.few {
+            let cell = self.cells[m];
+            return S::sampled(few, &Places { cell, within }, vectors);
+        }
+        let first = S::apart_pairs(&self.apart(2 * m), numbers.stored);
+        if N == 1 {
+            return S::sampled_apart([&first, &first], &within, vectors);
+        }
+        let second = S::apart_pairs(&self.apart(2 * m + 1), numbers.stored);
+        S::sampled_apart([&first, &second], &within, vectors)
+    }
+
+    /// The trilinear samples of the first three parts of vectors, those of vector `n` that are `shown`, in parts of
+    /// [`ALL_WEIGHTS`](super::simd::ALL_WEIGHTS) of what is stored.
     #[inline(always)]
     pub fn vectors(&self, n: usize, vectors: &mut Vectors<S>, shown: S::Mask) -> [S::Float; 3] {
+        let weights = S::weights(&self.within, n);
         if !self.moved.is_few::<K>() {
-            return S::apart_vectors(&self.apart(n), &self.places[n].within, vectors.stored, shown);
+            return S::apart_vectors(&self.apart(n), &weights, vectors.stored, shown);
         }
         let few = match &vectors.few {
             Some(few) => few,
@@ -127,22 +156,15 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
                 vectors.stored,
             )),
         };
-        each!(part of [0, 1, 2] => self.interpolate(n, S::take(&few[part], self.places[n].cells)))
+        S::weighed(few, &self.cells, n, &weights)
     }
 
+    /// The cells of vector `n`, which are anywhere.
     #[inline(always)]
     fn apart(&self, n: usize) -> Apart<S> {
         Apart {
-            voxels: self.places[n].cells,
+            voxels: self.template.cells(n, self.voxels, &self.moved, self.inside[n]),
             strides: self.voxels.strides,
         }
-    }
-
-    /// The trilinear samples of what lies at the corners of cells.
-    #[inline(always)]
-    fn interpolate(&self, n: usize, pairs: Pairs<S>) -> S::Float {
-        let within = &self.places[n].within;
-        let edges = each!(edge of [0, 1, 2, 3] => S::weighed(pairs[edge], within.weights));
-        within.between(edges)
     }
 }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gaps::Gaps;
-use super::voxels::{CastBlock, CastTarget, NONE, ONE};
+use super::voxels::{CastBlock, CastTarget, ONE};
 use crate::math::{Aabb, Interval};
 use crate::projection::VisibleValues;
 use crate::target::{CELL, CellRanges, Target};
@@ -95,7 +95,7 @@ impl Cells {
             let within = |voxel: i64| voxel.clamp(0, i64::from(block.dims[axis])) as usize;
             within(begin - 1)..within(begin + edge as i64 + 1)
         };
-        let value = |stored: i16| range.lo + (f32::from(stored) - NONE) / ONE * range.width();
+        let value = |stored: i16| range.lo + f32::from(stored) / ONE * range.width();
         let mut shown = vec![false; dims.iter().product()];
         let rows = shown.par_chunks_exact_mut(dims[0].max(1)).enumerate();
         rows.for_each_init(Ends::default, |ends, (row, shown)| {

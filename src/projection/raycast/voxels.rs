@@ -1,7 +1,7 @@
 //! Blocks as rays sample them.
 //!
-//! *Practice.* All is stored in the 16 bits that slices on a device store, with signs: values are fractions of the target's value range times
-//! coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
+//! *Practice.* Numbers are stored in 15 bits, so that differences are in 16, and vectors in 16, with signs: values are fractions of the
+//! target's value range times coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
 //! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
 
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,11 +16,11 @@ use crate::array::Array;
 use crate::projection::{FrameSpec, SoftNormals, TransferFunction, TransferTable, VisibleValues};
 use crate::target::{Block, BlockVoxels, CellRanges, Layout, Target};
 
-/// What is stored for 0.
-pub(super) const NONE: f32 = -32768.0;
+/// How many numbers are stored for each entry of a table of transfer, a power of two.
+pub(super) const PER_ENTRY: i16 = 8;
 
-/// How much more is stored for 1.
-pub(super) const ONE: f32 = 65535.0;
+/// What is stored for 1.
+pub(super) const ONE: f32 = (PER_ENTRY as usize * (TransferTable::LEN - 1)) as f32;
 
 /// What is stored for a part of a normal of 1.
 pub(super) const ONE_NORMAL: f32 = 32767.0;
@@ -62,7 +62,7 @@ pub(super) struct CastBlock {
     pub strides: [usize; 2],
     /// How many there are along each axis; a few in a block of one value.
     pub dims: [i32; 3],
-    /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`] from [`NONE`] on.
+    /// Fraction of the value range, or opacity, times coverage, in parts of [`ONE`].
     pub weighted: Array<i16>,
     /// Likewise coverage; empty where it is 1 throughout.
     pub coverage: Array<i16>,
@@ -144,7 +144,7 @@ impl CastTarget {
 /// A fraction of 1 as it is stored. Rust's float casts saturate.
 #[inline(always)]
 fn stored(fraction: f32) -> i16 {
-    (fraction * ONE + 0.5) as u16 as i16 ^ i16::MIN
+    (fraction.min(1.0) * ONE + 0.5) as u16 as i16
 }
 
 /// The scales of value times coverage and of coverage that sum up to the fraction of the value range times coverage.

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
-use super::{Apart, EDGE, Kernel, Pairs, RAYS, Simd, Within, each};
+use super::{Apart, EDGE, Kernel, PAIRS, PART_BITS, Places, RAYS, Simd, each};
 
 /// For processors with AVX-512 F, BW and VL. Nothing of it may be called but what [`Avx512::run`] does.
 #[derive(Clone, Copy)]
@@ -35,6 +35,9 @@ pub struct Double(__m512d, __m512d);
 
 #[derive(Clone, Copy)]
 pub struct Int(__m512i);
+
+#[derive(Clone, Copy)]
+pub struct Short(__m512i);
 
 /// The first two planes and the last two.
 pub struct Few {
@@ -92,9 +95,31 @@ macro_rules! operations {
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
 const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 
-/// Words of the 4³ voxels from a cell's low corner to the next row, and to the next plane, in both halves.
-const ROW: i32 = 0x0004_0004;
-const PLANE: i32 = 0x0010_0010;
+/// Words of the 4³ voxels from a cell's low corner to the next row, and to the next plane.
+const ROW: i16 = EDGE as i16;
+const PLANE: i16 = (EDGE * EDGE) as i16;
+
+/// The even ones of 64 words.
+static EVEN: [i16; 32] = {
+    let mut words = [0; 32];
+    let mut n = 0;
+    while n < 32 {
+        words[n] = 2 * n as i16;
+        n += 1;
+    }
+    words
+};
+
+/// Each of 16 words twice.
+static TWICE: [i16; 32] = {
+    let mut words = [0; 32];
+    let mut n = 0;
+    while n < 32 {
+        words[n] = n as i16 / 2;
+        n += 1;
+    }
+    words
+};
 
 /// The words of one part of 4² vectors of four, and of the next part behind them.
 const fn parts(first: i16) -> [i16; 32] {
@@ -115,6 +140,7 @@ impl Simd for Avx512 {
     type Double = Double;
     type Mask = u16;
     type Int = Int;
+    type Short = Short;
     type Few = Few;
 
     fn run(kernel: impl Kernel<Self>) {
@@ -196,18 +222,72 @@ impl Simd for Avx512 {
 
         fn greater_int(a: Int, b: Int) -> u16 { _mm512_cmpgt_epi32_mask(a.0, b.0) }
         fn shift_right(a: Int, by: Int) -> Int { Int(_mm512_srlv_epi32(a.0, by.0)) }
-        fn shift_left(a: Int, by: Int) -> Int { Int(_mm512_sllv_epi32(a.0, by.0)) }
         fn choose_int(mask: u16, a: Int, b: Int) -> Int { Int(_mm512_mask_blend_epi32(mask, b.0, a.0)) }
         fn to_bits(x: Float) -> Int { Int(_mm512_castps_si512(x.0)) }
         fn from_bits(bits: Int) -> Float { Float(_mm512_castsi512_ps(bits.0)) }
         fn to_float(x: Int) -> Float { Float(_mm512_cvtepi32_ps(x.0)) }
-        fn weights(second: Int) -> Int {
+
+        fn shorts(first: Int, second: Int) -> Short {
+            Short(_mm512_permutex2var_epi16(first.0, _mm512_loadu_si512(EVEN.as_ptr().cast()), second.0))
+        }
+        fn wide(all: &[Short; PAIRS], n: usize) -> Int { Int(_mm512_cvtepu16_epi32(nth(all, n))) }
+        fn in_range(x: Short, ends: [i16; 2]) -> [u16; 2] {
             {
-                let first = _mm512_xor_si512(second.0, _mm512_set1_epi32(0x8000));
-                Int(_mm512_sub_epi32(first, _mm512_slli_epi32::<16>(second.0)))
+                let from_first = _mm512_sub_epi16(x.0, _mm512_set1_epi16(ends[0]));
+                let mask = _mm512_cmple_epu16_mask(from_first, _mm512_set1_epi16(ends[1].wrapping_sub(ends[0])));
+                [mask as u16, (mask >> 16) as u16]
             }
         }
-        fn weighed(pairs: Int, weights: Int) -> Float { Float(_mm512_cvtepi32_ps(_mm512_madd_epi16(pairs.0, weights.0))) }
+        fn places(low: &[Short; 3], parts: [i16; 3], _vectors: usize) -> Places<Self> {
+            {
+                let [x, y, z] = each!(axis of [0, 1, 2] => _mm512_add_epi16(low[axis].0, _mm512_set1_epi16(parts[axis])));
+                // Two bits of each.
+                let xy = or_bits(_mm512_srli_epi16::<PART_BITS>(x), _mm512_srli_epi16::<{ PART_BITS - 2 }>(y), 0b1100);
+                Places {
+                    cell: Short(or_bits(xy, _mm512_srli_epi16::<{ PART_BITS - 4 }>(z), 0b11_0000)),
+                    within: each!(at of [x, y, z] => Short(_mm512_srli_epi16::<1>(_mm512_slli_epi16::<{ 16 - PART_BITS }>(at)))),
+                }
+            }
+        }
+        fn sampled(few: &Few, places: &Places<Self>, _vectors: usize) -> Short {
+            between_all(
+                each!(edge of [0, ROW, PLANE, PLANE + ROW] => {
+                    each!(end of [edge, edge + 1] => take(few, _mm512_add_epi16(places.cell.0, _mm512_set1_epi16(end))))
+                }),
+                &places.within,
+            )
+        }
+        fn sampled_apart(pairs: [&[Int; 4]; 2], within: &[Short; 3], _vectors: usize) -> Short {
+            {
+                let [even, odd] = each!(first of [0, 1] => {
+                    _mm512_add_epi16(_mm512_loadu_si512(EVEN.as_ptr().cast()), _mm512_set1_epi16(first))
+                });
+                let ends = each!(edge of [0, 1, 2, 3] => {
+                    each!(of of [even, odd] => _mm512_permutex2var_epi16(pairs[0][edge].0, of, pairs[1][edge].0))
+                });
+                between_all(ends, within)
+            }
+        }
+        fn weights(within: &[[Short; PAIRS]; 3], n: usize) -> [Short; 4] {
+            {
+                let [x, y, z] = each!(axis of [0, 1, 2] => twice(&within[axis], n));
+                let signs = _mm512_xor_si512(x, _mm512_set1_epi32(0xffff_8000_u32 as i32));
+                let ends = _mm512_add_epi16(signs, _mm512_set1_epi32(1 << 16));
+                let yz = _mm512_mulhrs_epi16(y, z);
+                let (y_alone, z_alone) = (_mm512_sub_epi16(y, yz), _mm512_sub_epi16(z, yz));
+                let none = _mm512_sub_epi16(_mm512_sub_epi16(_mm512_set1_epi16(i16::MAX), y), z_alone);
+                each!(of of [none, y_alone, z_alone, yz] => Short(_mm512_mulhrs_epi16(ends, of)))
+            }
+        }
+        fn weighed(few: &[Few; 3], cells: &[Short; PAIRS], n: usize, weights: &[Short; 4]) -> [Float; 3] {
+            {
+                let ends = _mm512_add_epi16(twice(cells, n), _mm512_set1_epi32(1 << 16));
+                let edges = each!(edge of [0, ROW, PLANE, PLANE + ROW] => _mm512_add_epi16(ends, _mm512_set1_epi16(edge)));
+                each!(part of [0, 1, 2] => {
+                    sum_of_products(each!(edge of [0, 1, 2, 3] => take(&few[part], edges[edge])), weights)
+                })
+            }
+        }
     }
 
     #[inline(always)]
@@ -344,18 +424,7 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn take(few: &Few, cells: Int) -> Pairs<Self> {
-        each!(by of [0, ROW, PLANE, PLANE + ROW] => {
-            // SAFETY: the processor has AVX-512.
-            unsafe {
-                let words = _mm512_add_epi32(cells.0, _mm512_set1_epi32(by));
-                Int(_mm512_permutex2var_epi16(few.low, words, few.high))
-            }
-        })
-    }
-
-    #[inline(always)]
-    fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self> {
+    fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> [Int; 4] {
         let (voxels, edges) = in_reach(apart, numbers);
         each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
             // SAFETY: two numbers, 32 bits, are there from each place on; the processor has AVX-512.
@@ -385,7 +454,7 @@ impl Simd for Avx512 {
 
     /// Four at a time, each in a quarter of registers.
     #[inline(always)]
-    fn apart_vectors(apart: &Apart<Self>, within: &Within<Self>, vectors: &[[i16; 4]], shown: u16) -> [Float; 3] {
+    fn apart_vectors(apart: &Apart<Self>, weights: &[Short; 4], vectors: &[[i16; 4]], shown: u16) -> [Float; 3] {
         let shown = Apart {
             voxels: Self::choose_int(shown, apart.voxels, Self::int(0)),
             strides: apart.strides,
@@ -398,26 +467,97 @@ impl Simd for Avx512 {
                     _mm512_loadu_si512(QUARTERS.as_ptr().cast()),
                     _mm512_set1_epi32(first as i32),
                 );
-                let of_each = |of: __m512| Float(_mm512_permutexvar_ps(quarters, of));
                 let paired = _mm512_broadcast_i32x4(_mm_loadu_si128(PAIRED.as_ptr().cast()));
-                let here = Within::<Self> {
-                    weights: Int(_mm512_permutexvar_epi32(quarters, within.weights.0)),
-                    parts: each!(axis of [0, 1] => of_each(within.parts[axis].0)),
-                };
-                let weighed = each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
+                let here = each!(edge of [0, 1, 2, 3] => Short(_mm512_permutexvar_epi32(quarters, weights[edge].0)));
+                let pairs = each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
                     let two = |n: usize| _mm_loadu_si128(edge.add(voxels[n] as usize).cast());
                     let a = _mm512_castsi128_si512(two(first));
                     let b = _mm512_inserti32x4::<1>(a, two(first + 4));
                     let c = _mm512_inserti32x4::<2>(b, two(first + 8));
-                    let pairs = _mm512_shuffle_epi8(_mm512_inserti32x4::<3>(c, two(first + 12)), paired);
-                    Self::weighed(Int(pairs), here.weights)
+                    _mm512_shuffle_epi8(_mm512_inserti32x4::<3>(c, two(first + 12)), paired)
                 });
-                here.between(weighed).0
+                sum_of_products(pairs, &here).0
             }
         });
         // SAFETY: the processor has AVX-512.
         let [x, y, z, _] = unsafe { transposed(sampled) };
         [Float(x), Float(y), Float(z)]
+    }
+}
+
+/// The words of vector `n` of those that these are of.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn nth(all: &[Short; PAIRS], n: usize) -> __m256i {
+    // SAFETY: there are two of them in each; the processor has AVX.
+    unsafe { _mm256_loadu_si256(all.as_ptr().cast::<__m256i>().add(n % (2 * PAIRS))) }
+}
+
+/// Likewise, each twice, side by side.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn twice(all: &[Short; PAIRS], n: usize) -> __m512i {
+    // SAFETY: as above, and `TWICE` is a register long.
+    unsafe { _mm512_permutexvar_epi16(_mm512_loadu_si512(TWICE.as_ptr().cast()), _mm512_castsi256_si512(nth(all, n))) }
+}
+
+/// `a`, and the bits of `b` that are in `mask`.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn or_bits(a: __m512i, b: __m512i, mask: i16) -> __m512i {
+    // SAFETY: as above.
+    unsafe { _mm512_or_si512(a, _mm512_and_si512(b, _mm512_set1_epi16(mask))) }
+}
+
+/// The numbers at such places among few.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn take(few: &Few, places: __m512i) -> __m512i {
+    // SAFETY: as above; only as many bits of a place are looked at as there are numbers.
+    unsafe { _mm512_permutex2var_epi16(few.low, places, few.high) }
+}
+
+/// What is interpolated between the ends of edges: see [`Simd::sampled`].
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn between_all(edges: [[__m512i; 2]; 4], within: &[Short; 3]) -> Short {
+    // SAFETY: as above.
+    unsafe {
+        let [a, b, c, d] = each!(edge of [0, 1, 2, 3] => between(edges[edge], within[0]));
+        Short(between([between([a, b], within[1]), between([c, d], within[1])], within[2]))
+    }
+}
+
+/// What is so many parts of 2¹⁵ of the way from one number to the other.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn between([a, b]: [__m512i; 2], way: Short) -> __m512i {
+    // SAFETY: as above.
+    unsafe { _mm512_add_epi16(a, _mm512_mulhrs_epi16(_mm512_sub_epi16(b, a), way.0)) }
+}
+
+/// The sums of some pairs' numbers times their weights.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn sum_of_products(pairs: [__m512i; 4], weights: &[Short; 4]) -> Float {
+    // SAFETY: as above.
+    unsafe {
+        let [a, b, c, d] = each!(n of [0, 1, 2, 3] => _mm512_madd_epi16(pairs[n], weights[n].0));
+        Float(_mm512_cvtepi32_ps(_mm512_add_epi32(_mm512_add_epi32(a, b), _mm512_add_epi32(c, d))))
     }
 }
 

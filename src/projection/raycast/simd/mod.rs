@@ -22,44 +22,31 @@ pub const RAYS: usize = EDGE * EDGE;
 /// Voxels of a packet whose voxels are few: [`EDGE`] along each axis.
 pub const FEW: usize = EDGE * EDGE * EDGE;
 
-/// The weight that is stored for 1. All weights are negative: 16 bits hold no positive number as large.
-pub const ONE_WEIGHT: f32 = -32768.0;
+/// Pairs of vectors of the largest packets.
+pub const PAIRS: usize = 2;
 
-/// Two stored numbers side by side on each of the four edges along x of each sample's cell, the first in the low half.
-pub type Pairs<S> = [<S as Simd>::Int; 4];
+/// Bits of the parts of a voxel that samples are counted in: 16 but for two, which count [`EDGE`] voxels.
+pub const PART_BITS: u32 = 16 - EDGE.ilog2();
 
-/// Cells of a bundle that are anywhere.
+/// What all weights of a sample of vectors sum up to, but for rounding, with its sign.
+pub const ALL_WEIGHTS: f32 = -32767.0;
+
+/// Where the samples of two vectors are in cells.
+#[derive(Clone, Copy)]
+pub struct Places<S: Simd> {
+    /// Which of few voxels is at the low corner of each cell, x fastest.
+    pub cell: S::Short,
+    /// How far they are in their cells along each axis, in parts of 2¹⁵.
+    pub within: [S::Short; 3],
+}
+
+/// Cells of a vector that are anywhere.
 #[derive(Clone, Copy)]
 pub struct Apart<S: Simd> {
     /// The stored voxel at each cell's low corner.
     pub voxels: S::Int,
     /// How far rows and planes of stored voxels are apart.
     pub strides: [usize; 2],
-}
-
-/// How far samples are in their cells.
-#[derive(Clone, Copy)]
-pub struct Within<S: Simd> {
-    /// What the low and the high side weigh along x.
-    pub weights: S::Int,
-    /// Parts of the way along y and z.
-    pub parts: [S::Float; 2],
-}
-
-impl<S: Simd> Within<S> {
-    /// What is sampled of the weighed pairs on the four edges of cells along x, in parts of [`ONE_WEIGHT`] as they are.
-    #[inline(always)]
-    pub fn between(&self, [a, b, c, d]: [S::Float; 4]) -> S::Float {
-        let [ty, tz] = self.parts;
-        let (near, far) = (between::<S>(a, b, ty), between::<S>(c, d, ty));
-        between::<S>(near, far, tz)
-    }
-}
-
-/// What is `t` of the way from `a` to `b`.
-#[inline(always)]
-fn between<S: Simd>(a: S::Float, b: S::Float, t: S::Float) -> S::Float {
-    S::mul_add(t, b - a, a)
 }
 
 /// A way of doing sixteen operations at once.
@@ -77,6 +64,8 @@ pub trait Simd: Copy + 'static {
         + Mul<Output = Self::Int>
         + BitAnd<Output = Self::Int>
         + BitOr<Output = Self::Int>;
+    /// Thirty-two integers of 16 bits, those of two vectors.
+    type Short: Copy;
     /// [`EDGE`]³ numbers of 16 bits, those of few voxels.
     type Few;
 
@@ -122,17 +111,19 @@ pub trait Simd: Copy + 'static {
 
     fn greater_int(a: Self::Int, b: Self::Int) -> Self::Mask;
     fn shift_right(a: Self::Int, by: Self::Int) -> Self::Int;
-    fn shift_left(a: Self::Int, by: Self::Int) -> Self::Int;
     fn choose_int(mask: Self::Mask, a: Self::Int, b: Self::Int) -> Self::Int;
     /// The numbers that they are.
     fn to_float(x: Self::Int) -> Self::Float;
     /// The bits of each number, and the number of such bits.
     fn to_bits(x: Self::Float) -> Self::Int;
     fn from_bits(bits: Self::Int) -> Self::Float;
-    /// What two numbers weigh of which the second weighs so many parts of 2¹⁵: in parts of [`ONE_WEIGHT`], the first one's in the low half.
-    fn weights(second: Self::Int) -> Self::Int;
-    /// The sum of a pair's numbers times their weights.
-    fn weighed(pairs: Self::Int, weights: Self::Int) -> Self::Float;
+
+    /// The low halves of integers.
+    fn shorts(first: Self::Int, second: Self::Int) -> Self::Short;
+    /// Vector `n` of those that these are of, all numbers from 0 on.
+    fn wide(all: &[Self::Short; PAIRS], n: usize) -> Self::Int;
+    /// Where `x` is from the one end on to the other, of each vector; ends are in order.
+    fn in_range(x: Self::Short, ends: [i16; 2]) -> [Self::Mask; 2];
 
     /// The numbers of a short table at the places of each, all of which it has.
     fn looked_up(table: &[i32; 2 * RAYS], places: Self::Int) -> Self::Int;
@@ -153,15 +144,25 @@ pub trait Simd: Copy + 'static {
     fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Self::Few;
     /// Likewise the first three parts of vectors.
     fn few_vectors(corner: usize, strides: [usize; 2], vectors: &[[i16; 4]]) -> [Self::Few; 3];
-    /// The numbers round samples, whose cells say which of the few is at their low corner, x fastest, in the low half, and which is next to it along x in
-    /// the high one; of other cells, any.
-    fn take(few: &Self::Few, cells: Self::Int) -> Pairs<Self>;
-    /// The numbers round samples; of cells beyond what is stored, any.
-    fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> Pairs<Self>;
-    /// The trilinear samples of the first three parts of vectors, in parts of [`ONE_WEIGHT`], those that are `shown`; of others, any.
+    /// Where samples are that are so far from few voxels' first one along each axis, `low` and `parts` together, which wrap, in parts of
+    /// [`PART_BITS`] bits.
+    fn places(low: &[Self::Short; 3], parts: [i16; 3], vectors: usize) -> Places<Self>;
+    /// The trilinear samples of few numbers from 0 on: interpolated along x, y and z, from `a` to `b` by `t` parts of 2¹⁵ to `a` and the nearest whole
+    /// number to `(b − a)·t/2¹⁵`, the higher of two. Of the first of two `vectors`, or of both; of the other, any.
+    fn sampled(few: &Self::Few, places: &Places<Self>, vectors: usize) -> Self::Short;
+    /// Likewise of pairs on the edges along x of cells, those of either vector.
+    fn sampled_apart(pairs: [&[Self::Int; 4]; 2], within: &[Self::Short; 3], vectors: usize) -> Self::Short;
+    /// What the ends of the four edges along x weigh of each cell of vector `n`, side by side: of `t` parts of 2¹⁵ along x the ends are `−(2¹⁵ − t)` and `−t`, since 16 bits
+    /// hold no positive 2¹⁵; of y and z, `yz = y·z/2¹⁵`, `z − yz`, `y − yz`, and what those leave of 2¹⁵ − 1. All products are such nearest numbers.
+    fn weights(within: &[[Self::Short; PAIRS]; 3], n: usize) -> [Self::Short; 4];
+    /// The trilinear samples of the parts of few vectors, of vector `n` of samples, by such weights.
+    fn weighed(few: &[Self::Few; 3], cells: &[Self::Short; PAIRS], n: usize, weights: &[Self::Short; 4]) -> [Self::Float; 3];
+    /// Two numbers side by side on each of the four edges along x of each cell, the first in the low half; of cells beyond what is stored, any.
+    fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> [Self::Int; 4];
+    /// The trilinear samples of the first three parts of vectors, by what pairs on the four edges weigh, those that are `shown`; of others, any.
     fn apart_vectors(
         apart: &Apart<Self>,
-        within: &Within<Self>,
+        weights: &[Self::Short; 4],
         vectors: &[[i16; 4]],
         shown: Self::Mask,
     ) -> [Self::Float; 3];
