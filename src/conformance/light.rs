@@ -37,7 +37,8 @@ impl LightSpans {
     /// What a normal that is read from texels gives.
     pub(super) fn over(&self, normal: &[Span; 3]) -> (Span, Span) {
         // In units of a normal: the steps of the sum, then a product, a difference and a quotient.
-        let read = self.precision.sum_steps / 32767.0 + (65535.0 / 32767.0) * self.precision.sum + self.precision.vectors;
+        let read =
+            self.precision.sum_steps / 32767.0 + (65535.0 / 32767.0) * self.precision.sum + self.precision.vectors;
         self.response(&normal.map(|part| part.widened(read + 6.0 * ULP)))
     }
 

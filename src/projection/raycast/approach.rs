@@ -35,3 +35,15 @@ pub fn approach<S: Simd>(scene: &Scene, cast_box: &CastBox, voxels: &Voxels, spa
         planes = S::choose_int(hops, planes + S::looked_up(&scene.hops, free), planes);
     }
 }
+
+/// The stored voxel that each packet's are counted from at such planes.
+#[inline(always)]
+pub fn first_voxels<S: Simd>(voxels: &Voxels, spans: &Spans<S>, planes: S::Int) -> S::Int {
+    let planes = S::to_double(planes);
+    let [x, y, z] = each!(axis of [0, 1, 2] => {
+        let at = spans.low[axis].origin + planes * spans.low[axis].step;
+        S::whole_double(S::floor_double(at)) - S::int(voxels.first[axis])
+    });
+    let [row, plane] = each!(stride of [voxels.strides[0], voxels.strides[1]] => S::int(stride as i32));
+    x + y * row + z * plane
+}

@@ -207,7 +207,10 @@ impl Classifier {
             // Where nothing is covered the quotient is any number, and its colour weighs nothing.
             Some(coverage) => {
                 let coverage = S::to_float(S::wide(coverage, n));
-                let value = S::divide(S::to_float(weighted), larger::<S>(coverage, S::float(f32::MIN_POSITIVE)));
+                let value = S::divide(
+                    S::to_float(weighted),
+                    larger::<S>(coverage, S::float(f32::MIN_POSITIVE)),
+                );
                 S::whole(smaller::<S>(value, S::float(1.0)) * S::float(LAST))
             }
         }

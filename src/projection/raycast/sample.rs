@@ -10,7 +10,6 @@ use super::simd::{Apart, PAIRS, Places, Simd, each};
 use super::template::{Moved, Template, pairs};
 use super::voxels::Voxels;
 
-
 /// The samples of a packet at a plane, those of one block.
 pub struct Bundle<'a, S: Simd, K: Kind, const N: usize> {
     pub voxels: &'a Voxels<'a>,

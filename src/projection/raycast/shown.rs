@@ -86,36 +86,52 @@ impl Cells {
         x + self.dims[0] * (y + self.dims[1] * z)
     }
 
-    /// The halves along each axis of the cells of `block`.
+    /// Cells half as long of `block`. They begin at voxels, half a voxel before these do, so that as few voxels as can be are samples in them
+    /// between.
     fn halved(&self, block: &CastBlock, values: &VisibleValues, range: Interval) -> Self {
-        let (edge, dims) = (self.edge / 2, self.dims.map(|n| 2 * n));
-        // The voxels that a cell's samples depend on: its own and one more on each side.
+        let (edge, begin) = (self.edge / 2, self.begin - 0.5);
+        let dims = self.dims.map(|n| 2 * n + 1);
+        // The voxels that a cell's samples are between.
         let voxels = |axis: usize, cell: usize| {
-            let begin = (self.begin[axis] + 0.5) as i64 + (edge * cell) as i64;
+            let begin = begin[axis] as i64 + (edge * cell) as i64;
             let within = |voxel: i64| voxel.clamp(0, i64::from(block.dims[axis])) as usize;
-            within(begin - 1)..within(begin + edge as i64 + 1)
+            within(begin)..within(begin + edge as i64 + 1)
         };
+        // The whole cells that a half is in.
+        let wholes = |axis: usize, half: usize| half.saturating_sub(1) / 2..(half / 2 + 1).min(self.dims[axis]);
         let value = |stored: i16| range.lo + f32::from(stored) / ONE * range.width();
         let mut shown = vec![false; dims.iter().product()];
-        let rows = shown.par_chunks_exact_mut(dims[0].max(1)).enumerate();
+        let rows = shown.par_chunks_exact_mut(dims[0]).enumerate();
         rows.for_each_init(Ends::default, |ends, (row, shown)| {
             let [y, z] = [row % dims[1], row / dims[1]];
-            let whole = &self.shown[self.index([0, y / 2, z / 2])..][..self.dims[0]];
+            let whole = self.any_of_rows([wholes(1, y), wholes(2, z)]);
             if !whole.contains(&true) {
                 return;
             }
             ends.of_rows(block, [voxels(1, y), voxels(2, z)]);
-            for (x, shown) in shown.iter_mut().enumerate().filter(|(x, _)| whole[x / 2]) {
-                let [lo, hi] = ends.of(voxels(0, x)).map(value);
-                *shown = values.any_in(Interval { lo, hi });
+            for (x, shown) in shown.iter_mut().enumerate() {
+                if whole[wholes(0, x)].contains(&true) {
+                    let [lo, hi] = ends.of(voxels(0, x)).map(value);
+                    *shown = values.any_in(Interval { lo, hi });
+                }
             }
         });
         Self {
             edge,
-            begin: self.begin,
+            begin,
             dims,
             shown,
         }
+    }
+
+    /// Which cells of a row show, of any of some rows along y and z.
+    fn any_of_rows(&self, [y, z]: [Range<usize>; 2]) -> Vec<bool> {
+        let mut any = vec![false; self.dims[0]];
+        for [y, z] in z.flat_map(|z| y.clone().map(move |y| [y, z])) {
+            let row = &self.shown[self.index([0, y, z])..][..self.dims[0]];
+            any.iter_mut().zip(row).for_each(|(any, shown)| *any |= shown);
+        }
+        any
     }
 
     /// Two along each axis taken for one.

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::approach::approach;
+use super::approach::{approach, first_voxels};
 use super::boxes::CastBox;
 use super::classify::Classifier;
 use super::gaps::FARTHEST;
@@ -107,7 +107,9 @@ fn cast<S: Simd, K: Kind, const N: usize>(
     }
     let voxels = &scene.target.blocks[cast_box.block].voxels();
     let spans = Spans::<S>::new(&scene.rays, edge(N), first, cast_box);
-    let mut next = S::int_array(approach::<S>(scene, cast_box, voxels, &spans));
+    let approached = approach::<S>(scene, cast_box, voxels, &spans);
+    let first_voxel = S::int_array(first_voxels::<S>(voxels, &spans, approached));
+    let mut next = S::int_array(approached);
     let ends = S::int_array(spans.any[1]);
     let [begin, end] = each!(of of [spans.all[0], spans.all[1]] => S::int_array(of));
     packets.turn();
@@ -117,6 +119,10 @@ fn cast<S: Simd, K: Kind, const N: usize>(
         for n in 0..COUNT {
             let end_here = ends[n].min(stretch_end);
             if next[n] < end_here {
+                // What the packet after this one comes to first is on its way while this one goes on.
+                if let Some(after) = (n + 1..COUNT).find(|n| next[*n] < ends[*n]) {
+                    S::ask_for_all(first_voxel[after] as usize, voxels.strides, voxels.weighted);
+                }
                 S::run(March {
                     packet: packets.packet(scene, n, begin[n]..end[n]),
                     scene,

@@ -352,16 +352,19 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn ask_for_all<T>(corner: usize, [y, z]: [usize; 2], stored: &[T]) {
+        let first = stored.as_ptr().wrapping_add(corner);
+        for n in 0..EDGE * EDGE {
+            ask_for_row(first.wrapping_add(n % EDGE * y + n / EDGE * z));
+        }
+    }
+
+    #[inline(always)]
     fn ask_for<T>(corner: usize, [y, z]: [usize; 2], [last_y, last_z]: [usize; 2], stored: &[T]) {
         let first = stored.as_ptr().wrapping_add(corner);
-        let ask = |row: usize, plane: usize| {
-            let row = first.wrapping_add(row * y + plane * z);
-            // SAFETY: nothing is read, so any place can be asked for; the processor has SSE.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(row.cast()) };
-        };
         for n in 0..EDGE {
-            ask(last_y, n);
-            ask(n, last_z);
+            ask_for_row(first.wrapping_add(last_y * y + n * z));
+            ask_for_row(first.wrapping_add(n * y + last_z * z));
         }
     }
 
@@ -502,7 +505,12 @@ unsafe fn nth(all: &[Short; PAIRS], n: usize) -> __m256i {
 #[inline(always)]
 unsafe fn twice(all: &[Short; PAIRS], n: usize) -> __m512i {
     // SAFETY: as above, and `TWICE` is a register long.
-    unsafe { _mm512_permutexvar_epi16(_mm512_loadu_si512(TWICE.as_ptr().cast()), _mm512_castsi256_si512(nth(all, n))) }
+    unsafe {
+        _mm512_permutexvar_epi16(
+            _mm512_loadu_si512(TWICE.as_ptr().cast()),
+            _mm512_castsi256_si512(nth(all, n)),
+        )
+    }
 }
 
 /// `a`, and the bits of `b` that are in `mask`.
@@ -534,7 +542,10 @@ unsafe fn between_all(edges: [[__m512i; 2]; 4], within: &[Short; 3]) -> Short {
     // SAFETY: as above.
     unsafe {
         let [a, b, c, d] = each!(edge of [0, 1, 2, 3] => between(edges[edge], within[0]));
-        Short(between([between([a, b], within[1]), between([c, d], within[1])], within[2]))
+        Short(between(
+            [between([a, b], within[1]), between([c, d], within[1])],
+            within[2],
+        ))
     }
 }
 
@@ -557,7 +568,10 @@ unsafe fn sum_of_products(pairs: [__m512i; 4], weights: &[Short; 4]) -> Float {
     // SAFETY: as above.
     unsafe {
         let [a, b, c, d] = each!(n of [0, 1, 2, 3] => _mm512_madd_epi16(pairs[n], weights[n].0));
-        Float(_mm512_cvtepi32_ps(_mm512_add_epi32(_mm512_add_epi32(a, b), _mm512_add_epi32(c, d))))
+        Float(_mm512_cvtepi32_ps(_mm512_add_epi32(
+            _mm512_add_epi32(a, b),
+            _mm512_add_epi32(c, d),
+        )))
     }
 }
 
@@ -566,6 +580,13 @@ static PAIRED: [[u8; 4]; 4] = [[0, 1, 8, 9], [2, 3, 10, 11], [4, 5, 12, 13], [6,
 
 /// In each quarter the first of four lanes that are each a quarter's.
 static QUARTERS: [i32; RAYS] = [0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12];
+
+/// Says that what is stored there will soon be read.
+#[inline(always)]
+fn ask_for_row<T>(row: *const T) {
+    // SAFETY: nothing is read, so any place can be asked for; the processor has SSE.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(row.cast()) };
+}
 
 /// Cells' voxels, and what is stored from the first voxel on each of a cell's four edges along x: from each voxel on each edge on there are
 /// two.

@@ -135,6 +135,8 @@ pub trait Simd: Copy + 'static {
     /// Four numbers of each, side by side.
     fn side_by_side(of: [Self::Float; 4]) -> [[f32; 4]; RAYS];
 
+    /// Says that the few voxels of a packet from `corner` on, whose rows and planes are so far apart, will soon be read, if that can be said.
+    fn ask_for_all<T>(corner: usize, strides: [usize; 2], stored: &[T]);
     /// Says that of the few voxels of a packet from `corner` on, whose rows and planes are so far apart, the `last` row of each plane and all of the
     /// `last` plane will soon be read, if that can be said.
     fn ask_for<T>(corner: usize, strides: [usize; 2], last: [usize; 2], stored: &[T]);
@@ -156,7 +158,12 @@ pub trait Simd: Copy + 'static {
     /// hold no positive 2¹⁵; of y and z, `yz = y·z/2¹⁵`, `z − yz`, `y − yz`, and what those leave of 2¹⁵ − 1. All products are such nearest numbers.
     fn weights(within: &[[Self::Short; PAIRS]; 3], n: usize) -> [Self::Short; 4];
     /// The trilinear samples of the parts of few vectors, of vector `n` of samples, by such weights.
-    fn weighed(few: &[Self::Few; 3], cells: &[Self::Short; PAIRS], n: usize, weights: &[Self::Short; 4]) -> [Self::Float; 3];
+    fn weighed(
+        few: &[Self::Few; 3],
+        cells: &[Self::Short; PAIRS],
+        n: usize,
+        weights: &[Self::Short; 4],
+    ) -> [Self::Float; 3];
     /// Two numbers side by side on each of the four edges along x of each cell, the first in the low half; of cells beyond what is stored, any.
     fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> [Self::Int; 4];
     /// The trilinear samples of the first three parts of vectors, by what pairs on the four edges weigh, those that are `shown`; of others, any.

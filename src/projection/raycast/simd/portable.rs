@@ -388,6 +388,9 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
+    fn ask_for_all<T>(_: usize, _: [usize; 2], _: &[T]) {}
+
+    #[inline(always)]
     fn ask_for<T>(_: usize, _: [usize; 2], _: [usize; 2], _: &[T]) {}
 
     #[inline(always)]
@@ -437,12 +440,7 @@ impl Simd for Portable {
 
     /// One after another.
     #[inline(always)]
-    fn apart_vectors(
-        apart: &Apart<Self>,
-        weights: &[Short; 4],
-        vectors: &[[i16; 4]],
-        shown: Mask,
-    ) -> [Self::Float; 3] {
+    fn apart_vectors(apart: &Apart<Self>, weights: &[Short; 4], vectors: &[[i16; 4]], shown: Mask) -> [Self::Float; 3] {
         let edges = edges(apart.strides, vectors);
         let mut all = [[0.0; 4]; RAYS];
         let mut left = Self::bits(shown);
