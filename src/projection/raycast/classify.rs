@@ -110,8 +110,8 @@ impl Classifier {
             return S::in_range(samples.weighted[m], [1, i16::MAX]);
         }
         match &samples.coverage {
-            Some(coverage) if !K::PLAIN => each!(n of [2 * m, 2 * m + 1] => {
-                let entries = self.entries::<S>(&samples.weighted, Some(coverage), n);
+            Some(coverage) if !K::PLAIN => each!(n of [2 * m, (2 * m + 1).min(N - 1)] => {
+                let entries = self.entries::<S, N>(&samples.weighted, Some(coverage), n);
                 !(S::greater_int(S::int(self.shown[0]), entries) | S::greater_int(entries, S::int(self.shown[1])))
             }),
             _ => S::in_range(samples.weighted[m], self.shown_values),
@@ -153,9 +153,9 @@ impl Classifier {
         samples: &Samples<S, N>,
     ) -> Colours<S> {
         let one = S::float(1.0);
-        let weighted = fraction::<S>(&samples.weighted, n);
+        let weighted = fraction::<S, N>(&samples.weighted, n);
         let coverage = match &samples.coverage {
-            Some(coverage) => fraction::<S>(coverage, n),
+            Some(coverage) => fraction::<S, N>(coverage, n),
             None => one,
         };
         let path = match bundle.paths {
@@ -180,14 +180,14 @@ impl Classifier {
         samples: &Samples<S, N>,
     ) -> Option<Colours<S>> {
         let nothing = S::int(NOTHING as i32);
-        let entries = self.entries::<S>(&samples.weighted, samples.coverage.as_ref(), n);
+        let entries = self.entries::<S, N>(&samples.weighted, samples.coverage.as_ref(), n);
         let mut sources = S::entries(&self.table, S::choose_int(samples.shown[n], entries, nothing));
         if !K::PLAIN {
             if let Some(paths) = bundle.paths {
                 sources = lengthen::<S>(&sources, paths[n]);
             }
             if let Some(coverage) = &samples.coverage {
-                let coverage = fraction::<S>(coverage, n);
+                let coverage = fraction::<S, N>(coverage, n);
                 sources = each!(c of [0, 1, 2, 3] => sources[c] * coverage);
             }
         }
@@ -196,9 +196,14 @@ impl Classifier {
 
     /// The table's entry for each sample of vector `n`.
     #[inline(always)]
-    fn entries<S: Simd>(&self, weighted: &[S::Short; PAIRS], coverage: Option<&[S::Short; PAIRS]>, n: usize) -> S::Int {
+    fn entries<S: Simd, const N: usize>(
+        &self,
+        weighted: &[S::Short; PAIRS],
+        coverage: Option<&[S::Short; PAIRS]>,
+        n: usize,
+    ) -> S::Int {
         const LAST: f32 = (TransferTable::LEN - 1) as f32;
-        let weighted = S::wide(weighted, n);
+        let weighted = S::wide::<N>(weighted, n);
         match coverage {
             None => S::shift_right(
                 weighted + S::int(i32::from(PER_ENTRY) / 2),
@@ -206,7 +211,7 @@ impl Classifier {
             ),
             // Where nothing is covered the quotient is any number, and its colour weighs nothing.
             Some(coverage) => {
-                let coverage = S::to_float(S::wide(coverage, n));
+                let coverage = S::to_float(S::wide::<N>(coverage, n));
                 let value = S::divide(
                     S::to_float(weighted),
                     larger::<S>(coverage, S::float(f32::MIN_POSITIVE)),
@@ -226,7 +231,7 @@ impl Classifier {
         rgb: &mut Vectors<S>,
         units: f32,
     ) -> Colours<S> {
-        let opacity = S::choose(samples.shown[n], fraction::<S>(&samples.weighted, n), S::float(0.0));
+        let opacity = S::choose(samples.shown[n], fraction::<S, N>(&samples.weighted, n), S::float(0.0));
         // Rounding may bring a colour above its opacity.
         let rgb = bundle.vectors(n, rgb, samples.shown[n]);
         let [r, g, b] = each!(c of [0, 1, 2] => {
@@ -280,6 +285,6 @@ fn values(first: usize, last: usize) -> [i16; 2] {
 
 /// What is sampled in parts of [`ONE`], of vector `n`.
 #[inline(always)]
-fn fraction<S: Simd>(sampled: &[S::Short; PAIRS], n: usize) -> S::Float {
-    S::divide(S::to_float(S::wide(sampled, n)), S::float(ONE))
+fn fraction<S: Simd, const N: usize>(sampled: &[S::Short; PAIRS], n: usize) -> S::Float {
+    S::divide(S::to_float(S::wide::<N>(sampled, n)), S::float(ONE))
 }

@@ -143,7 +143,7 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
     /// [`ALL_WEIGHTS`](super::simd::ALL_WEIGHTS) of what is stored.
     #[inline(always)]
     pub fn vectors(&self, n: usize, vectors: &mut Vectors<S>, shown: S::Mask) -> [S::Float; 3] {
-        let weights = S::weights(&self.within, n);
+        let weights = S::weights::<N>(&self.within, n);
         if !self.moved.is_few::<K>() {
             return S::apart_vectors(&self.apart(n), &weights, vectors.stored, shown);
         }
@@ -155,7 +155,7 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
                 vectors.stored,
             )),
         };
-        S::weighed(few, &self.cells, n, &weights)
+        S::weighed::<N>(few, &self.cells, n, &weights)
     }
 
     /// The cells of vector `n`, which are anywhere.

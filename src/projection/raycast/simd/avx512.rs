@@ -230,7 +230,6 @@ impl Simd for Avx512 {
         fn shorts(first: Int, second: Int) -> Short {
             Short(_mm512_permutex2var_epi16(first.0, _mm512_loadu_si512(EVEN.as_ptr().cast()), second.0))
         }
-        fn wide(all: &[Short; PAIRS], n: usize) -> Int { Int(_mm512_cvtepu16_epi32(nth(all, n))) }
         fn in_range(x: Short, ends: [i16; 2]) -> [u16; 2] {
             {
                 let from_first = _mm512_sub_epi16(x.0, _mm512_set1_epi16(ends[0]));
@@ -268,25 +267,37 @@ impl Simd for Avx512 {
                 between_all(ends, within)
             }
         }
-        fn weights(within: &[[Short; PAIRS]; 3], n: usize) -> [Short; 4] {
-            {
-                let [x, y, z] = each!(axis of [0, 1, 2] => twice(&within[axis], n));
-                let signs = _mm512_xor_si512(x, _mm512_set1_epi32(0xffff_8000_u32 as i32));
-                let ends = _mm512_add_epi16(signs, _mm512_set1_epi32(1 << 16));
-                let yz = _mm512_mulhrs_epi16(y, z);
-                let (y_alone, z_alone) = (_mm512_sub_epi16(y, yz), _mm512_sub_epi16(z, yz));
-                let none = _mm512_sub_epi16(_mm512_sub_epi16(_mm512_set1_epi16(i16::MAX), y), z_alone);
-                each!(of of [none, y_alone, z_alone, yz] => Short(_mm512_mulhrs_epi16(ends, of)))
-            }
+    }
+
+    #[inline(always)]
+    fn wide<const N: usize>(all: &[Short; PAIRS], n: usize) -> Int {
+        // SAFETY: the processor has AVX-512.
+        Int(unsafe { _mm512_cvtepu16_epi32(nth::<N>(all, n)) })
+    }
+
+    #[inline(always)]
+    fn weights<const N: usize>(within: &[[Short; PAIRS]; 3], n: usize) -> [Short; 4] {
+        // SAFETY: the processor has AVX-512.
+        unsafe {
+            let [x, y, z] = each!(axis of [0, 1, 2] => twice::<N>(&within[axis], n));
+            let signs = _mm512_xor_si512(x, _mm512_set1_epi32(0xffff_8000_u32 as i32));
+            let ends = _mm512_add_epi16(signs, _mm512_set1_epi32(1 << 16));
+            let yz = _mm512_mulhrs_epi16(y, z);
+            let (y_alone, z_alone) = (_mm512_sub_epi16(y, yz), _mm512_sub_epi16(z, yz));
+            let none = _mm512_sub_epi16(_mm512_sub_epi16(_mm512_set1_epi16(i16::MAX), y), z_alone);
+            each!(of of [none, y_alone, z_alone, yz] => Short(_mm512_mulhrs_epi16(ends, of)))
         }
-        fn weighed(few: &[Few; 3], cells: &[Short; PAIRS], n: usize, weights: &[Short; 4]) -> [Float; 3] {
-            {
-                let ends = _mm512_add_epi16(twice(cells, n), _mm512_set1_epi32(1 << 16));
-                let edges = each!(edge of [0, ROW, PLANE, PLANE + ROW] => _mm512_add_epi16(ends, _mm512_set1_epi16(edge)));
-                each!(part of [0, 1, 2] => {
-                    sum_of_products(each!(edge of [0, 1, 2, 3] => take(&few[part], edges[edge])), weights)
-                })
-            }
+    }
+
+    #[inline(always)]
+    fn weighed<const N: usize>(few: &[Few; 3], cells: &[Short; PAIRS], n: usize, weights: &[Short; 4]) -> [Float; 3] {
+        // SAFETY: the processor has AVX-512.
+        unsafe {
+            let ends = _mm512_add_epi16(twice::<N>(cells, n), _mm512_set1_epi32(1 << 16));
+            let edges = each!(edge of [0, ROW, PLANE, PLANE + ROW] => _mm512_add_epi16(ends, _mm512_set1_epi16(edge)));
+            each!(part of [0, 1, 2] => {
+                sum_of_products(each!(edge of [0, 1, 2, 3] => take(&few[part], edges[edge])), weights)
+            })
         }
     }
 
@@ -488,14 +499,19 @@ impl Simd for Avx512 {
     }
 }
 
-/// The words of vector `n` of those that these are of.
+/// The words of vector `n` of the `N` that these are of; one alone is in a register.
 ///
 /// # Safety
 /// The processor has AVX-512.
 #[inline(always)]
-unsafe fn nth(all: &[Short; PAIRS], n: usize) -> __m256i {
+unsafe fn nth<const N: usize>(all: &[Short; PAIRS], n: usize) -> __m256i {
     // SAFETY: there are two of them in each; the processor has AVX.
-    unsafe { _mm256_loadu_si256(all.as_ptr().cast::<__m256i>().add(n % (2 * PAIRS))) }
+    unsafe {
+        if N == 1 {
+            return _mm512_castsi512_si256(all[0].0);
+        }
+        _mm256_loadu_si256(all.as_ptr().cast::<__m256i>().add(n % (2 * PAIRS)))
+    }
 }
 
 /// Likewise, each twice, side by side.
@@ -503,12 +519,12 @@ unsafe fn nth(all: &[Short; PAIRS], n: usize) -> __m256i {
 /// # Safety
 /// The processor has AVX-512.
 #[inline(always)]
-unsafe fn twice(all: &[Short; PAIRS], n: usize) -> __m512i {
+unsafe fn twice<const N: usize>(all: &[Short; PAIRS], n: usize) -> __m512i {
     // SAFETY: as above, and `TWICE` is a register long.
     unsafe {
         _mm512_permutexvar_epi16(
             _mm512_loadu_si512(TWICE.as_ptr().cast()),
-            _mm512_castsi256_si512(nth(all, n)),
+            _mm512_castsi256_si512(nth::<N>(all, n)),
         )
     }
 }

@@ -120,8 +120,8 @@ pub trait Simd: Copy + 'static {
 
     /// The low halves of integers.
     fn shorts(first: Self::Int, second: Self::Int) -> Self::Short;
-    /// Vector `n` of those that these are of, all numbers from 0 on.
-    fn wide(all: &[Self::Short; PAIRS], n: usize) -> Self::Int;
+    /// Vector `n` of the `N` that these are of, all numbers from 0 on.
+    fn wide<const N: usize>(all: &[Self::Short; PAIRS], n: usize) -> Self::Int;
     /// Where `x` is from the one end on to the other, of each vector; ends are in order.
     fn in_range(x: Self::Short, ends: [i16; 2]) -> [Self::Mask; 2];
 
@@ -154,11 +154,11 @@ pub trait Simd: Copy + 'static {
     fn sampled(few: &Self::Few, places: &Places<Self>, vectors: usize) -> Self::Short;
     /// Likewise of pairs on the edges along x of cells, those of either vector.
     fn sampled_apart(pairs: [&[Self::Int; 4]; 2], within: &[Self::Short; 3], vectors: usize) -> Self::Short;
-    /// What the ends of the four edges along x weigh of each cell of vector `n`, side by side: of `t` parts of 2¹⁵ along x the ends are `−(2¹⁵ − t)` and `−t`, since 16 bits
+    /// What the ends of the four edges along x weigh of each cell of vector `n` of `N`, side by side: of `t` parts of 2¹⁵ along x the ends are `−(2¹⁵ − t)` and `−t`, since 16 bits
     /// hold no positive 2¹⁵; of y and z, `yz = y·z/2¹⁵`, `z − yz`, `y − yz`, and what those leave of 2¹⁵ − 1. All products are such nearest numbers.
-    fn weights(within: &[[Self::Short; PAIRS]; 3], n: usize) -> [Self::Short; 4];
-    /// The trilinear samples of the parts of few vectors, of vector `n` of samples, by such weights.
-    fn weighed(
+    fn weights<const N: usize>(within: &[[Self::Short; PAIRS]; 3], n: usize) -> [Self::Short; 4];
+    /// The trilinear samples of the parts of few vectors, of vector `n` of `N` of samples, by such weights.
+    fn weighed<const N: usize>(
         few: &[Self::Few; 3],
         cells: &[Self::Short; PAIRS],
         n: usize,

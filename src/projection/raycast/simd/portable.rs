@@ -314,7 +314,7 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn wide(all: &[Short; PAIRS], n: usize) -> Self::Int {
+    fn wide<const N: usize>(all: &[Short; PAIRS], n: usize) -> Self::Int {
         let of = &all[n / 2].0[n % 2 * RAYS..][..RAYS];
         let mut wide = [0; RAYS];
         for (wide, x) in wide.iter_mut().zip(of) {
@@ -351,12 +351,17 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    fn weights(within: &[[Short; PAIRS]; 3], n: usize) -> [Short; 4] {
+    fn weights<const N: usize>(within: &[[Short; PAIRS]; 3], n: usize) -> [Short; 4] {
         weights(within, n)
     }
 
     #[inline(always)]
-    fn weighed(few: &[Self::Few; 3], cells: &[Short; PAIRS], n: usize, weights: &[Short; 4]) -> [Self::Float; 3] {
+    fn weighed<const N: usize>(
+        few: &[Self::Few; 3],
+        cells: &[Short; PAIRS],
+        n: usize,
+        weights: &[Short; 4],
+    ) -> [Self::Float; 3] {
         weighed(few, cells, n, weights)
     }
 
