@@ -5,7 +5,7 @@ use super::kind::Kind;
 use super::light::{Cue, Lights};
 use super::power::lengthen;
 use super::sample::{BlockVectors, Bundle, Numbers, Vectors};
-use super::simd::{ALL_WEIGHTS, PAIRS, Simd, each, larger, smaller};
+use super::simd::{ALL_WEIGHTS, PAIRS, Sampling, each, larger, smaller};
 use super::template::pairs;
 use super::voxels::{ONE, PER_ENTRY};
 use crate::projection::composite::Blending;
@@ -32,7 +32,7 @@ pub struct Classifier {
 }
 
 /// What a bundle's samples are classified by.
-pub struct Samples<S: Simd, const N: usize> {
+pub struct Samples<S: Sampling, const N: usize> {
     /// Values, or opacities, times coverage, in parts of [`ONE`].
     weighted: [S::Short; PAIRS],
     /// Coverage, likewise; `None` where it is 1.
@@ -70,13 +70,13 @@ impl Classifier {
 
     /// Whether any sample of values may show, with these round it.
     #[inline(always)]
-    pub fn any_may_show<S: Simd, K: Kind>(&self, weighted: &Numbers<S>) -> bool {
+    pub fn any_may_show<S: Sampling, K: Kind>(&self, weighted: &Numbers<S>) -> bool {
         !K::PLAIN || weighted.any_at_least(self.shown_values[0])
     }
 
     /// The samples of a bundle; `None` if none of them shows.
     #[inline(always)]
-    pub fn samples<S: Simd, K: Kind, const N: usize>(&self, bundle: &Bundle<S, K, N>) -> Option<Samples<S, N>> {
+    pub fn samples<S: Sampling, K: Kind, const N: usize>(&self, bundle: &Bundle<S, K, N>) -> Option<Samples<S, N>> {
         let covered =
             !K::PLAIN && !bundle.voxels.coverage.is_empty() && (self.slab_units.is_none() || !self.mode.classifies());
         let coverage = if covered {
@@ -102,7 +102,7 @@ impl Classifier {
 
     /// Which samples of pair `m` of vectors may show.
     #[inline(always)]
-    fn may_show<S: Simd, K: Kind, const N: usize>(&self, m: usize, samples: &Samples<S, N>) -> [S::Mask; 2] {
+    fn may_show<S: Sampling, K: Kind, const N: usize>(&self, m: usize, samples: &Samples<S, N>) -> [S::Mask; 2] {
         if !K::PLAIN && !self.mode.classifies() {
             return [!S::none(); 2];
         }
@@ -120,7 +120,7 @@ impl Classifier {
 
     /// What is blended of vector `n` of samples; `None` where none of them shows.
     #[inline(always)]
-    pub fn sources<S: Simd, K: Kind, const N: usize>(
+    pub fn sources<S: Sampling, K: Kind, const N: usize>(
         &self,
         bundle: &Bundle<S, K, N>,
         n: usize,
@@ -146,7 +146,7 @@ impl Classifier {
 
     /// What value modes accumulate: see [`value_source`](crate::projection::composite::value_source).
     #[inline(always)]
-    fn values<S: Simd, K: Kind, const N: usize>(
+    fn values<S: Sampling, K: Kind, const N: usize>(
         &self,
         bundle: &Bundle<S, K, N>,
         n: usize,
@@ -173,7 +173,7 @@ impl Classifier {
 
     /// Table entries for the path, times coverage.
     #[inline(always)]
-    fn classified<S: Simd, K: Kind, const N: usize>(
+    fn classified<S: Sampling, K: Kind, const N: usize>(
         &self,
         bundle: &Bundle<S, K, N>,
         n: usize,
@@ -196,7 +196,7 @@ impl Classifier {
 
     /// The table's entry for each sample of vector `n`.
     #[inline(always)]
-    fn entries<S: Simd, const N: usize>(
+    fn entries<S: Sampling, const N: usize>(
         &self,
         weighted: &[S::Short; PAIRS],
         coverage: Option<&[S::Short; PAIRS]>,
@@ -223,7 +223,7 @@ impl Classifier {
 
     /// Colours that are classified already, for a path of so many unit lengths a millimetre of depth.
     #[inline(always)]
-    fn colours<S: Simd, K: Kind, const N: usize>(
+    fn colours<S: Sampling, K: Kind, const N: usize>(
         &self,
         bundle: &Bundle<S, K, N>,
         n: usize,
@@ -248,7 +248,7 @@ impl Classifier {
 
     /// Colours with light and depth cue, where they show.
     #[inline(always)]
-    fn lit<S: Simd, K: Kind, const N: usize>(
+    fn lit<S: Sampling, K: Kind, const N: usize>(
         &self,
         bundle: &Bundle<S, K, N>,
         n: usize,
@@ -285,6 +285,6 @@ fn values(first: usize, last: usize) -> [i16; 2] {
 
 /// What is sampled in parts of [`ONE`], of vector `n`.
 #[inline(always)]
-fn fraction<S: Simd, const N: usize>(sampled: &[S::Short; PAIRS], n: usize) -> S::Float {
+fn fraction<S: Sampling, const N: usize>(sampled: &[S::Short; PAIRS], n: usize) -> S::Float {
     S::divide(S::to_float(S::wide::<N>(sampled, n)), S::float(ONE))
 }

@@ -10,7 +10,7 @@ use super::pixels::Pixels;
 use super::places::Way;
 use super::rays::{Intervals, PacketRays};
 use super::sample::{BlockVectors, Bundle, Numbers};
-use super::simd::{EDGE, Kernel, RAYS, Simd};
+use super::simd::{EDGE, Kernel, RAYS, Sampling};
 use super::spans::PACKETS;
 use super::template::{Template, edge, side, voxel};
 use super::tile::Scene;
@@ -20,7 +20,7 @@ use crate::projection::composite::Blending;
 /// The packets of a tile, row by row, each in `N` vectors: the rays of squares of pixels, those beyond the frame too.
 ///
 /// What all frames need lies together, what only some do apart from it.
-pub struct Packets<S: Simd, const N: usize> {
+pub struct Packets<S: Sampling, const N: usize> {
     /// The tile's first pixel.
     first: [u32; 2],
     /// A bit for each that has met a box.
@@ -41,7 +41,7 @@ pub const COUNT: usize = PACKETS * PACKETS;
 type Low = [[f64; 2]; 3];
 
 /// One of the packets of a tile, and a box that is being cast.
-pub struct Packet<'a, S: Simd, const N: usize> {
+pub struct Packet<'a, S: Sampling, const N: usize> {
     /// Its first pixel.
     first: [u32; 2],
     low: &'a Low,
@@ -65,7 +65,7 @@ fn first_of<const N: usize>([x, y]: [u32; 2], n: usize) -> [u32; 2] {
     [x + (n % side(N) * EDGE) as u32, y + (n / side(N) * EDGE) as u32]
 }
 
-impl<S: Simd, const N: usize> Packets<S, N> {
+impl<S: Sampling, const N: usize> Packets<S, N> {
     /// Those of no tile.
     #[inline(always)]
     pub fn new() -> Self {
@@ -140,7 +140,7 @@ impl<S: Simd, const N: usize> Packets<S, N> {
     }
 }
 
-impl<S: Simd, const N: usize> Packet<'_, S, N> {
+impl<S: Sampling, const N: usize> Packet<'_, S, N> {
     /// Which points at a plane are in the box, and seen; `None` if none is, nor any behind them.
     #[inline(always)]
     fn inside(&mut self, scene: &Scene, cast_box: &CastBox, plane: i32) -> Option<[S::Mask; N]> {
@@ -176,7 +176,7 @@ impl<S: Simd, const N: usize> Packet<'_, S, N> {
 }
 
 /// A packet on its way through a box: those points in it that are at planes of one [stretch](super::places) where something may show.
-pub struct March<'a, 'b, S: Simd, K: Kind, const N: usize> {
+pub struct March<'a, 'b, S: Sampling, K: Kind, const N: usize> {
     pub packet: Packet<'a, S, N>,
     pub scene: &'a Scene<'b>,
     pub voxels: &'a Voxels<'a>,
@@ -188,7 +188,7 @@ pub struct March<'a, 'b, S: Simd, K: Kind, const N: usize> {
     pub end: i32,
 }
 
-impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
+impl<S: Sampling, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
     #[inline(always)]
     fn run(mut self) {
         let mut plane = *self.next;
@@ -245,7 +245,7 @@ impl<S: Simd, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> {
 
 /// Says that few voxels round a packet will soon be read: those that it comes to next, as most of the others have been.
 #[inline(always)]
-fn ask_for<S: Simd>(voxels: &Voxels, way: &Way) {
+fn ask_for<S: Sampling>(voxels: &Voxels, way: &Way) {
     let last = way.last();
     let first = voxels.index(voxel(&way.at)) as usize;
     S::ask_for(first, voxels.strides, last, voxels.weighted);
@@ -256,7 +256,7 @@ fn ask_for<S: Simd>(voxels: &Voxels, way: &Way) {
 
 /// Goes on with the samples of a bundle.
 #[inline(always)]
-fn blend<S: Simd, K: Kind, const N: usize>(
+fn blend<S: Sampling, K: Kind, const N: usize>(
     pixels: &mut [Colours<S>; N],
     open: &mut [S::Mask; N],
     (classifier, blending): (&Classifier, Blending),
@@ -276,14 +276,14 @@ fn blend<S: Simd, K: Kind, const N: usize>(
 }
 
 /// The covered sampling points of a box, asked for by itself: few packets are cut.
-struct Cover<'a, 'b, S: Simd, const N: usize> {
+struct Cover<'a, 'b, S: Sampling, const N: usize> {
     scene: &'a Scene<'b>,
     first: [u32; 2],
     cast_box: &'a CastBox<'b>,
     covered: &'a mut Option<[Intervals<S>; N]>,
 }
 
-impl<S: Simd, const N: usize> Kernel<S> for Cover<'_, '_, S, N> {
+impl<S: Sampling, const N: usize> Kernel<S> for Cover<'_, '_, S, N> {
     #[inline(always)]
     fn run(self) {
         *self.covered = Some(covered::<S, N>(self.scene, self.first, self.cast_box));
@@ -292,7 +292,7 @@ impl<S: Simd, const N: usize> Kernel<S> for Cover<'_, '_, S, N> {
 
 /// The covered sampling points of a box.
 #[inline(always)]
-fn covered<S: Simd, const N: usize>(scene: &Scene, first: [u32; 2], cast_box: &CastBox) -> [Intervals<S>; N] {
+fn covered<S: Sampling, const N: usize>(scene: &Scene, first: [u32; 2], cast_box: &CastBox) -> [Intervals<S>; N] {
     let bounds = &cast_box.shown.bounds;
     let [low, high] = [bounds.min.to_array(), bounds.max.to_array()];
     let mut all = [Intervals {

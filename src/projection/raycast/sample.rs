@@ -6,12 +6,12 @@
 //! weighed by the same eight weights.
 
 use super::kind::Kind;
-use super::simd::{Apart, PAIRS, Places, Simd, each};
+use super::simd::{Apart, PAIRS, Places, Sampling, each};
 use super::template::{Moved, Template, pairs};
 use super::voxels::Voxels;
 
 /// The samples of a packet at a plane, those of one block.
-pub struct Bundle<'a, S: Simd, K: Kind, const N: usize> {
+pub struct Bundle<'a, S: Sampling, K: Kind, const N: usize> {
     pub voxels: &'a Voxels<'a>,
     /// Which samples are in the box, and seen.
     pub inside: [S::Mask; N],
@@ -29,12 +29,12 @@ pub struct Bundle<'a, S: Simd, K: Kind, const N: usize> {
 }
 
 /// Numbers of a block.
-pub struct Numbers<'a, S: Simd> {
+pub struct Numbers<'a, S: Sampling> {
     stored: &'a [i16],
     few: Option<S::Few>,
 }
 
-impl<'a, S: Simd> Numbers<'a, S> {
+impl<'a, S: Sampling> Numbers<'a, S> {
     /// Those of a block, those round a packet that is `moved` there read if they are few.
     #[inline(always)]
     pub fn new<K: Kind>(voxels: &Voxels, moved: &Moved, stored: &'a [i16]) -> Self {
@@ -54,18 +54,18 @@ impl<'a, S: Simd> Numbers<'a, S> {
 }
 
 /// Vectors of a block, those round a bundle read when they are first asked for.
-pub struct Vectors<'a, S: Simd> {
+pub struct Vectors<'a, S: Sampling> {
     stored: &'a [[i16; 4]],
     few: Option<[S::Few; 3]>,
 }
 
 /// The vectors of a block: see [`CastBlock`].
-pub struct BlockVectors<'a, S: Simd> {
+pub struct BlockVectors<'a, S: Sampling> {
     pub rgb: Vectors<'a, S>,
     pub normals: Vectors<'a, S>,
 }
 
-impl<'a, S: Simd> BlockVectors<'a, S> {
+impl<'a, S: Sampling> BlockVectors<'a, S> {
     /// None of them read.
     #[inline(always)]
     pub fn of(voxels: &Voxels<'a>) -> Self {
@@ -74,7 +74,7 @@ impl<'a, S: Simd> BlockVectors<'a, S> {
     }
 }
 
-impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
+impl<'a, S: Sampling, K: Kind, const N: usize> Bundle<'a, S, K, N> {
     /// The samples of `template` at `plane`, those `inside`, of the packet that it is `moved` to.
     #[inline(always)]
     pub fn new(
@@ -89,8 +89,8 @@ impl<'a, S: Simd, K: Kind, const N: usize> Bundle<'a, S, K, N> {
         for m in 1..pairs(N) {
             let places = template.places(m, &moved);
             cells[m] = places.cell;
-            for axis in 0..3 {
-                within[axis][m] = places.within[axis];
+            for (within, of) in within.iter_mut().zip(places.within) {
+                within[m] = of;
             }
         }
         Self {

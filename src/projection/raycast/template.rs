@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 use super::kind::Kind;
 use super::places::{self, Place};
 use super::rays::Rays;
-use super::simd::{EDGE, PAIRS, PART_BITS, Places, RAYS, Simd, each};
+use super::simd::{EDGE, PAIRS, PART_BITS, Places, RAYS, Sampling, each};
 use super::voxels::Voxels;
 
 /// Bits more that samples are apart by, before they are rounded.
@@ -51,7 +51,7 @@ const WITHIN: [[i32; RAYS]; 2] = {
 };
 
 /// The samples of any packet at a plane.
-pub struct Template<S: Simd, K: Kind, const N: usize> {
+pub struct Template<S: Sampling, K: Kind, const N: usize> {
     plane: i32,
     /// How far each is from the packet's low corner along each axis, in parts of a voxel.
     away: [[S::Int; N]; 3],
@@ -62,7 +62,7 @@ pub struct Template<S: Simd, K: Kind, const N: usize> {
     kind: PhantomData<K>,
 }
 
-impl<S: Simd, K: Kind, const N: usize> Template<S, K, N> {
+impl<S: Sampling, K: Kind, const N: usize> Template<S, K, N> {
     /// At `plane`.
     #[inline(always)]
     pub fn new(rays: &Rays, plane: i32) -> Self {
@@ -151,7 +151,7 @@ const ROUNDING: f64 = 4.0 / (1 << PART_BITS) as f64;
 /// How far samples are from the low corner along an axis along which pixels are so far `apart`, in parts of a voxel. They are half a part
 /// farther, since the low corner is rounded down by as much on average.
 #[inline(always)]
-fn away<S: Simd, const N: usize>(apart: [f64; 2], lowest: [bool; 2]) -> [S::Int; N] {
+fn away<S: Sampling, const N: usize>(apart: [f64; 2], lowest: [bool; 2]) -> [S::Int; N] {
     let last = (edge(N) - 1) as i32;
     // Whole parts, and what is behind them.
     let fine = each!(a of [0, 1] => (apart[a].abs() * f64::from(1u32 << (PART_BITS + MORE))).round() as i64);

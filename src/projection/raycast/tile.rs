@@ -14,7 +14,7 @@ use super::places::STRETCH;
 use super::rays::Rays;
 #[cfg(target_arch = "x86_64")]
 use super::simd::Avx512;
-use super::simd::{Kernel, Portable, Simd, each};
+use super::simd::{Kernel, Portable, Sampling, Simd, each};
 use super::spans::{PACKETS, Spans};
 use super::template::{Template, edge};
 use super::voxels::CastTarget;
@@ -64,7 +64,7 @@ struct Tiles<'a, 'b, 'c, K: Kind, const N: usize> {
     kind: PhantomData<K>,
 }
 
-impl<S: Simd, K: Kind, const N: usize> Kernel<S> for Tiles<'_, '_, '_, K, N> {
+impl<S: Sampling, K: Kind, const N: usize> Kernel<S> for Tiles<'_, '_, '_, K, N> {
     #[inline(always)]
     fn run(self) {
         let mut packets = Packets::<S, N>::new();
@@ -92,7 +92,7 @@ impl<'a, 'b, 'c, K: Kind, const N: usize> Tiles<'a, 'b, 'c, K, N> {
 
 /// Casts the tile that begins at pixel `first` through a box, if that is seen there.
 #[inline(always)]
-fn cast<S: Simd, K: Kind, const N: usize>(
+fn cast<S: Sampling, K: Kind, const N: usize>(
     scene: &Scene,
     first: [u32; 2],
     cast_box: &CastBox,
