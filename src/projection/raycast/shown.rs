@@ -202,3 +202,74 @@ impl Ends {
         [lo, self.hi[voxels].iter().copied().fold(i16::MIN, i16::max)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::array::Array;
+    use crate::projection::{ControlPoint, TransferFunction, TransferTable};
+
+    const RANGE: Interval = Interval { lo: 0.0, hi: 1.0 };
+
+    /// Values from the middle of the range on show.
+    fn upper_half() -> VisibleValues {
+        let point = |(value, opacity)| ControlPoint {
+            value,
+            color: [1.0; 3],
+            opacity,
+        };
+        let points = [(0.0, 0.0), (0.4, 0.0), (0.5, 1.0), (1.0, 1.0)].map(point);
+        let function = TransferFunction::new(points.to_vec(), 1.0).unwrap();
+        VisibleValues::of(&TransferTable::new(&function, RANGE, 1.0), RANGE)
+    }
+
+    /// A block of such voxels, the largest values and the least.
+    fn block(dims: [usize; 3], large: &[bool]) -> CastBlock {
+        let weighted: Vec<i16> = large.iter().map(|large| if *large { ONE as i16 } else { 0 }).collect();
+        CastBlock {
+            first: [0; 3],
+            strides: [dims[0], dims[0] * dims[1]],
+            dims: dims.map(|n| n as i32),
+            weighted: weighted.into(),
+            coverage: Array::default(),
+            rgb: Array::default(),
+            normals: Array::default(),
+        }
+    }
+
+    fn blocks() -> impl Strategy<Value = ([usize; 3], Vec<bool>)> {
+        prop::array::uniform3(4usize..10).prop_flat_map(|dims| {
+            let large = prop::collection::vec(prop::bool::weighted(0.03), dims.iter().product::<usize>());
+            (Just(dims), large)
+        })
+    }
+
+    proptest! {
+        /// Half a cell shows if and only if any of the voxels does that samples in it are between.
+        #[test]
+        fn halves_show_what_their_samples_are_between((dims, large) in blocks(), before in prop::array::uniform3(0usize..4)) {
+            let wholes = [0, 1, 2].map(|axis| (dims[axis] + before[axis]).div_ceil(CELL));
+            let cells = Cells {
+                edge: CELL,
+                begin: DVec3::from_array(before.map(|n| -(n as f64) - 0.5)),
+                dims: wholes,
+                shown: vec![true; wholes.iter().product()],
+            };
+            let halves = cells.halved(&block(dims, &large), &upper_half(), RANGE);
+            for (n, shown) in halves.shown.iter().enumerate() {
+                let half = [n % halves.dims[0], n / halves.dims[0] % halves.dims[1], n / halves.dims[0] / halves.dims[1]];
+                let between = (0..large.len()).filter(|n| large[*n]).any(|n| {
+                    let voxel = [n % dims[0], n / dims[0] % dims[1], n / dims[0] / dims[1]];
+                    (0..3).all(|axis| {
+                        let from_begin = voxel[axis] as f64 - (halves.begin[axis] + (halves.edge * half[axis]) as f64);
+                        // Those before the end and the next one, on which samples close to the end depend.
+                        from_begin > -1.0 && from_begin < halves.edge as f64 + 1.0
+                    })
+                });
+                prop_assert_eq!(*shown, between, "half {:?}", half);
+            }
+        }
+    }
+}
