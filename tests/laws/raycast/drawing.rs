@@ -53,8 +53,9 @@ fn place_rounding() -> f64 {
 }
 
 /// What a sample of vectors is off. It is weighed by eight weights in parts of 2^-15. Of the four that are the products of those along y and z, one
-/// is rounded to the nearest, and the others are what that leaves of 1 - 2^-15: each is off by half a part, and one by a whole part more. Each is
-/// divided between two that are rounded to the nearest. Together that is 4/2 + 1 + 8/2 parts.
+/// is rounded to the nearest, and the others are what that leaves of 2^15 - 1: each is off by half a part. All are told in parts of 2^15 - 1, so
+/// each is more by as much of a part as it weighs, and the last one less by a part: 2 at most together. Each is divided between two that are rounded
+/// to the nearest. Together that is 4/2 + 2 + 8/2 parts.
 fn vectors() -> f64 {
-    7.0 / 32768.0
+    8.0 / 32767.0
 }
