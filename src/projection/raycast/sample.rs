@@ -38,18 +38,21 @@ impl<'a, S: Sampling> Numbers<'a, S> {
     /// Those of a block, those round a packet that is `moved` there read if they are few.
     #[inline(always)]
     pub fn new<K: Kind>(voxels: &Voxels, moved: &Moved, stored: &'a [i16]) -> Self {
-        Self {
-            stored,
-            few: moved
-                .is_few::<K>()
-                .then(|| S::few(moved.first as usize, voxels.strides, stored)),
-        }
+        let few = if moved.is_few::<K>() {
+            Some(S::few(moved.first as usize, voxels.strides, stored))
+        } else {
+            None
+        };
+        Self { stored, few }
     }
 
     /// Whether any of them may be at least that one.
     #[inline(always)]
     pub fn any_at_least(&self, least: i16) -> bool {
-        self.few.as_ref().is_none_or(|few| S::any_at_least(few, least))
+        match &self.few {
+            Some(few) => S::any_at_least(few, least),
+            None => true,
+        }
     }
 }
 
@@ -116,8 +119,8 @@ impl<'a, S: Sampling, K: Kind, const N: usize> Bundle<'a, S, K, N> {
     #[inline(always)]
     pub fn sampled(&self, numbers: &Numbers<S>) -> [S::Short; PAIRS] {
         let mut all = [self.sampled_pair(0, numbers); PAIRS];
-        for (m, samples) in all.iter_mut().enumerate().take(pairs(N)).skip(1) {
-            *samples = self.sampled_pair(m, numbers);
+        if pairs(N) > 1 {
+            all[1] = self.sampled_pair(1, numbers);
         }
         all
     }

@@ -1,7 +1,8 @@
 //! Sampling in registers of 512 bits.
 //!
 //! *Practice.* A cell's corners are not read one after another: the 4³ voxels that the cells of a bundle are among go into registers, row
-//! by row, and each sample takes its own from there by permutations.
+//! by row, and each sample takes its own from there by permutations. What is read one by one goes into registers as an array: functions
+//! that take sixteen arguments are not always compiled in place.
 
 use std::arch::x86_64::*;
 
@@ -172,16 +173,16 @@ impl Sampling for Avx512 {
         unsafe {
             let row = |z: usize, y: usize| rows[4 * z + y].cast::<i64>().read_unaligned();
             let [low, high] = each!(z of [0, 2] => {
-                _mm512_set_epi64(
-                    row(z + 1, 3),
-                    row(z + 1, 2),
-                    row(z + 1, 1),
-                    row(z + 1, 0),
-                    row(z, 3),
-                    row(z, 2),
-                    row(z, 1),
+                std::mem::transmute::<[i64; 8], __m512i>([
                     row(z, 0),
-                )
+                    row(z, 1),
+                    row(z, 2),
+                    row(z, 3),
+                    row(z + 1, 0),
+                    row(z + 1, 1),
+                    row(z + 1, 2),
+                    row(z + 1, 3),
+                ])
             });
             Few { low, high }
         }
@@ -223,25 +224,10 @@ impl Sampling for Avx512 {
         each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
             // SAFETY: two numbers, 32 bits, are there from each place on; the processor has AVX-512.
             unsafe {
-                let pair = |n: usize| edge.add(voxels[n] as usize).cast::<i32>().read_unaligned();
-                Int(_mm512_set_epi32(
-                    pair(15),
-                    pair(14),
-                    pair(13),
-                    pair(12),
-                    pair(11),
-                    pair(10),
-                    pair(9),
-                    pair(8),
-                    pair(7),
-                    pair(6),
-                    pair(5),
-                    pair(4),
-                    pair(3),
-                    pair(2),
-                    pair(1),
-                    pair(0),
-                ))
+                let pairs = each!(n of [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
+                    edge.add(voxels[n] as usize).cast::<i32>().read_unaligned()
+                });
+                Int(std::mem::transmute::<[i32; RAYS], __m512i>(pairs))
             }
         })
     }
