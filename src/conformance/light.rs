@@ -38,7 +38,7 @@ impl LightSpans {
     pub(super) fn over(&self, normal: &[Span; 3]) -> (Span, Span) {
         // In units of a normal: the steps of the sum, then a product, a difference and a quotient.
         let read =
-            self.precision.sum_steps / 32767.0 + (65535.0 / 32767.0) * self.precision.sum + self.precision.vectors;
+            self.precision.sum_steps / 32767.0 + (65535.0 / 32767.0) * self.precision.sum + self.precision.normals;
         self.response(&normal.map(|part| part.widened(read + 6.0 * ULP)))
     }
 

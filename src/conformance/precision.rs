@@ -28,8 +28,8 @@ pub struct Precision {
     pub sum_steps: f64,
     /// Error of a weighted sum of texels relative to the largest of them, for all formats.
     pub sum: f64,
-    /// The most that a weighted sum of vectors' parts is off beside that, of parts up to 1.
-    pub vectors: f64,
+    /// The most that a part of a normal is off beside that.
+    pub normals: f64,
 }
 
 impl Precision {
@@ -41,7 +41,7 @@ impl Precision {
         coordinate: 0.0,
         sum_steps: 0.0,
         sum: 0.0,
-        vectors: 0.0,
+        normals: 0.0,
     };
 
     /// The least that Vulkan lets a device of these limits do.
@@ -70,7 +70,7 @@ impl Precision {
             coordinate: 2.0 * ULP,
             sum_steps: 0.0,
             sum: 8.0 * ULP,
-            vectors: 0.0,
+            normals: 0.0,
         }
     }
 }

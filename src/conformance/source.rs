@@ -19,8 +19,6 @@ pub(super) struct Sources<'a> {
     storage: Storage,
     /// Error of a filtered value and of a filtered coverage: steps of the format, and of single precision.
     sum: f64,
-    /// See [`Precision::vectors`].
-    vectors: f64,
     /// See [`FrameSpec::slab_units`].
     slab_units: Option<f64>,
     near_mm: f64,
@@ -44,7 +42,6 @@ impl<'a> Sources<'a> {
                 .map(|shading| LightSpans::new(spec.camera, shading, precision)),
             storage: *storage,
             sum: precision.sum_steps * Storage::STEP + precision.sum,
-            vectors: precision.vectors,
             slab_units: spec.slab_units(),
             near_mm: depth_mm[0],
             far_mm: depth_mm[1],
@@ -90,7 +87,7 @@ impl<'a> Sources<'a> {
         let by = self.sum + self.storage.rounding;
         let alpha = hull.weighted.widened(by).not_negative();
         let below = |c: Span| {
-            let c = c.widened(by + self.vectors).not_negative();
+            let c = c.widened(by).not_negative();
             Span::new(c.lo.min(alpha.lo), c.hi.min(alpha.hi))
         };
         let [r, g, b] = hull.rgb.map(below);

@@ -7,7 +7,7 @@ use super::classify::Classifier;
 use super::gaps::{MARGIN, hops};
 use super::kind::{Any, Few, FewPlain, Plain};
 use super::light::Cue;
-use super::pixels::Pixels;
+use super::pixels::Parts;
 use super::rays::{Depths, Rays};
 use super::shown::edge_for;
 use super::template::FEW;
@@ -158,7 +158,8 @@ fn accumulate_by(
         stops: stops.as_ref().map(|stops| stops as _),
     };
     let mut frame = Frame::transparent(width, height);
-    let parts = Pixels::of(&mut frame, tile).into_par_iter().with_max_len(1);
-    parts.for_each(|mut part| cast(&scene, &mut part));
+    let parts = Parts::of(&mut frame, tile);
+    let threads = (0..rayon::current_num_threads()).into_par_iter().with_max_len(1);
+    threads.for_each(|_| cast(&scene, &parts));
     Ok(frame)
 }

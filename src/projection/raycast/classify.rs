@@ -4,8 +4,8 @@ use super::blend::Colours;
 use super::kind::Kind;
 use super::light::{Cue, Lights};
 use super::power::lengthen;
-use super::sample::{BlockVectors, Bundle, Numbers, Vectors};
-use super::simd::{ALL_WEIGHTS, PAIRS, Sampling, each, larger, smaller};
+use super::sample::{Bundle, Normals, Numbers};
+use super::simd::{PAIRS, Sampling, each, larger, smaller};
 use super::template::pairs;
 use super::voxels::{ONE, PER_ENTRY};
 use crate::projection::composite::Blending;
@@ -37,6 +37,8 @@ pub struct Samples<S: Sampling, const N: usize> {
     weighted: [S::Short; PAIRS],
     /// Coverage, likewise; `None` where it is 1.
     coverage: Option<[S::Short; PAIRS]>,
+    /// Colours of a target of colours times opacity and coverage, likewise.
+    rgb: Option<[[S::Short; PAIRS]; 3]>,
     /// Which of them may show.
     shown: [S::Mask; N],
     /// A bit for each vector of which any may.
@@ -87,6 +89,7 @@ impl Classifier {
         let mut samples = Samples {
             weighted: bundle.sampled(&bundle.weighted),
             coverage,
+            rgb: None,
             shown: bundle.inside,
             any: 0,
         };
@@ -96,6 +99,10 @@ impl Classifier {
                 samples.shown[n] = samples.shown[n] & may_show[n % 2];
                 samples.any |= u32::from(S::bits(samples.shown[n]) != 0) << n;
             }
+        }
+        if !K::PLAIN && self.slab_units.is_some() && samples.any != 0 {
+            let rgb = bundle.voxels.rgb;
+            samples.rgb = Some(each!(part of [0, 1, 2] => bundle.sampled(&bundle.numbers(rgb[part]))));
         }
         (samples.any != 0).then_some(samples)
     }
@@ -125,22 +132,19 @@ impl Classifier {
         bundle: &Bundle<S, K, N>,
         n: usize,
         samples: &Samples<S, N>,
-        vectors: &mut BlockVectors<S>,
+        normals: &mut Normals<S>,
     ) -> Option<Colours<S>> {
         if !K::PLAIN && !self.mode.classifies() {
             return Some(self.values(bundle, n, samples));
         }
-        if S::bits(samples.shown[n]) == 0 {
-            return None;
-        }
-        let colours = match self.slab_units {
-            Some(units) if !K::PLAIN => self.colours(bundle, n, samples, &mut vectors.rgb, units),
+        let colours = match (self.slab_units, &samples.rgb) {
+            (Some(units), Some(rgb)) if !K::PLAIN => self.colours(bundle, n, samples, rgb, units),
             _ => self.classified(bundle, n, samples)?,
         };
         Some(match self.mode {
             Mode::XRay if !K::PLAIN => [colours[3]; 4],
             _ if self.lights.is_none() && (K::PLAIN || !self.cue.is_there()) => colours,
-            _ => self.lit(bundle, n, colours, &mut vectors.normals),
+            _ => self.lit(bundle, n, colours, normals),
         })
     }
 
@@ -191,7 +195,8 @@ impl Classifier {
                 sources = each!(c of [0, 1, 2, 3] => sources[c] * coverage);
             }
         }
-        (S::bits(S::greater(sources[3], S::float(0.0))) != 0).then_some(sources)
+        // In plain frames what is among the entries that show most often does, and is not asked again.
+        (K::PLAIN || S::bits(S::greater(sources[3], S::float(0.0))) != 0).then_some(sources)
     }
 
     /// The table's entry for each sample of vector `n`.
@@ -228,15 +233,12 @@ impl Classifier {
         bundle: &Bundle<S, K, N>,
         n: usize,
         samples: &Samples<S, N>,
-        rgb: &mut Vectors<S>,
+        rgb: &[[S::Short; PAIRS]; 3],
         units: f32,
     ) -> Colours<S> {
         let opacity = S::choose(samples.shown[n], fraction::<S, N>(&samples.weighted, n), S::float(0.0));
         // Rounding may bring a colour above its opacity.
-        let rgb = bundle.vectors(n, rgb, samples.shown[n]);
-        let [r, g, b] = each!(c of [0, 1, 2] => {
-            smaller::<S>(rgb[c] * S::float(1.0 / (ALL_WEIGHTS * ONE)), opacity)
-        });
+        let [r, g, b] = each!(c of [0, 1, 2] => smaller::<S>(fraction::<S, N>(&rgb[c], n), opacity));
         let sources = [r, g, b, opacity];
         let units = S::float(units);
         let lengths = match bundle.paths {
@@ -253,13 +255,13 @@ impl Classifier {
         bundle: &Bundle<S, K, N>,
         n: usize,
         colours: Colours<S>,
-        normals: &mut Vectors<S>,
+        normals: &mut Normals<S>,
     ) -> Colours<S> {
         let [r, g, b, a] = colours;
         let (factor, highlight) = match &self.lights {
             Some(lights) => {
                 let shown = S::greater(a, S::float(0.0));
-                lights.response::<S>(&bundle.vectors(n, normals, shown))
+                lights.response::<S>(&bundle.normals(n, normals, shown))
             }
             None => (S::float(1.0), S::float(0.0)),
         };

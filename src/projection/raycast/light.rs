@@ -3,8 +3,7 @@
 use glam::Vec3;
 
 use super::rays::{Depths, Rays};
-use super::simd::{ALL_WEIGHTS, Simd, each};
-use super::voxels::ONE_NORMAL;
+use super::simd::{ALL_WEIGHTS, ONE_NORMAL, Simd, each};
 use crate::projection::{DepthCue, FrameSpec, Light, Shading};
 
 /// Lights and material, for normals in the world: see [`Shading::response`].

@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
-use super::voxels::ONE_NORMAL;
+use super::simd::packed;
 use crate::array::Array;
 use crate::projection::{EMPTY_BELOW, Slopes, SoftNormals};
 use crate::target::{Block, BlockVoxels, Target};
@@ -16,7 +16,7 @@ pub fn voxel_normals(
     block: &Block,
     voxels: &BlockVoxels,
     scales: [f32; 2],
-) -> Array<[i16; 4]> {
+) -> Array<u32> {
     let (matrix, heights) = (soft.matrix().as_mat3(), heights(voxels, scales));
     let dims = block.stored_dims();
     let skip = voxels.apron - Block::APRON;
@@ -26,7 +26,7 @@ pub fn voxel_normals(
         let inside = beyond.clamp(Block::APRON, target.lattice.dims[axis] - 1 + Block::APRON);
         inside - block.origin[axis] + skip
     };
-    let mut normals = Array::<[i16; 4]>::zeroed(dims.iter().product());
+    let mut normals = Array::<u32>::zeroed(dims.iter().product());
     let [first, last] = [nearest(0, 0), nearest(0, dims[0] - 1)];
     let scratch = || (Slopes::default(), vec![Vec3::ZERO; last + 1 - first]);
     let rows = normals.par_chunks_mut(dims[0]).enumerate();
@@ -42,10 +42,9 @@ pub fn voxel_normals(
 }
 
 /// The soft normal of a slope.
-fn normal(matrix: &Mat3, slope: Vec3) -> [i16; 4] {
+fn normal(matrix: &Mat3, slope: Vec3) -> u32 {
     let g = *matrix * slope;
-    let m = g / (1.0 + g.length_squared()).sqrt();
-    [m.x, m.y, m.z, 0.0].map(stored)
+    packed((g / (1.0 + g.length_squared()).sqrt()).to_array())
 }
 
 /// What normals are made of: see [`SoftNormals`].
@@ -59,9 +58,4 @@ fn heights(voxels: &BlockVoxels, [scale, offset]: [f32; 2]) -> Vec<f32> {
             pairs.map(|(v, c)| scale * v + offset * c).collect()
         }
     }
-}
-
-/// A part of a normal as it is stored: the nearest number, the higher of two.
-fn stored(part: f32) -> i16 {
-    (part * ONE_NORMAL + (ONE_NORMAL + 1.5)) as u16 as i16 ^ i16::MIN
 }

@@ -7,10 +7,10 @@ use super::boxes::CastBox;
 use super::classify::{Classifier, Samples};
 use super::kind::Kind;
 use super::pixels::Pixels;
-use super::places::Way;
+use super::places::{Line, Way};
 use super::rays::{Intervals, PacketRays};
-use super::sample::{BlockVectors, Bundle, Numbers};
-use super::simd::{EDGE, Kernel, RAYS, Sampling};
+use super::sample::{Bundle, Normals, Numbers};
+use super::simd::{EDGE, Kernel, RAYS, Sampling, each};
 use super::spans::PACKETS;
 use super::template::{Template, edge, side, voxel};
 use super::tile::Scene;
@@ -26,25 +26,25 @@ pub struct Packets<S: Sampling, const N: usize> {
     /// A bit for each that has met a box.
     begun: u16,
     /// See [`Packet`].
-    lows: [Low; COUNT],
+    lines: [Line; COUNT],
     pixels: [[Colours<S>; N]; COUNT],
     open: [[S::Mask; N]; COUNT],
     paths: [Option<[S::Float; N]>; COUNT],
     stops: [Option<[S::Int; N]>; COUNT],
-    covered: [Option<[Intervals<S>; N]>; COUNT],
+    /// Of those that are cut by the box; of others, of whatever box there was before.
+    covered: [[Intervals<S>; N]; COUNT],
+    /// Whether each is known to be cut.
+    is_cut: [bool; COUNT],
 }
 
 /// Packets of a tile.
 pub const COUNT: usize = PACKETS * PACKETS;
 
-/// Where the low corner of a packet is at plane 0 along each axis, in lattice coordinates, and the way from plane to plane.
-type Low = [[f64; 2]; 3];
-
 /// One of the packets of a tile, and a box that is being cast.
 pub struct Packet<'a, S: Sampling, const N: usize> {
     /// Its first pixel.
     first: [u32; 2],
-    low: &'a Low,
+    line: &'a Line,
     /// What has been blended so far.
     pixels: &'a mut [Colours<S>; N],
     /// The pixels that do not hide yet what is behind.
@@ -53,8 +53,10 @@ pub struct Packet<'a, S: Sampling, const N: usize> {
     paths: &'a Option<[S::Float; N]>,
     /// The first plane of each pixel that a surface hides, if there are any.
     stops: &'a Option<[S::Int; N]>,
-    /// The covered sampling points of the box, if they have been asked for.
-    covered: &'a mut Option<[Intervals<S>; N]>,
+    /// The covered sampling points of the box, once they have been asked for.
+    covered: &'a mut [Intervals<S>; N],
+    /// Whether they have been.
+    is_cut: &'a mut bool,
     /// Planes at which all rays are in the box.
     whole: Range<i32>,
 }
@@ -72,12 +74,13 @@ impl<S: Sampling, const N: usize> Packets<S, N> {
         Self {
             first: [0; 2],
             begun: 0,
-            lows: [[[0.0; 2]; 3]; COUNT],
+            lines: [Line::default(); COUNT],
             pixels: [[[S::float(0.0); 4]; N]; COUNT],
             open: [[S::none(); N]; COUNT],
             paths: [const { None }; COUNT],
             stops: [const { None }; COUNT],
-            covered: [const { None }; COUNT],
+            covered: [[Intervals::none(); N]; COUNT],
+            is_cut: [false; COUNT],
         }
     }
 
@@ -91,7 +94,7 @@ impl<S: Sampling, const N: usize> Packets<S, N> {
     /// Turns to another box.
     #[inline(always)]
     pub fn turn(&mut self) {
-        self.covered = [const { None }; COUNT];
+        self.is_cut = [false; COUNT];
     }
 
     /// The nth, all of its rays in the box at planes `whole`.
@@ -100,7 +103,7 @@ impl<S: Sampling, const N: usize> Packets<S, N> {
         let first = self.first_of(n);
         if self.begun >> n & 1 == 0 {
             self.begun |= 1 << n;
-            self.lows[n] = scene.rays.low::<N>(first);
+            self.lines[n] = Line::new(scene.rays.low::<N>(first));
             self.pixels[n] = [[S::float(0.0); 4]; N];
             self.open[n] = [!S::none(); N];
             if let Some(paths) = scene.paths {
@@ -112,12 +115,13 @@ impl<S: Sampling, const N: usize> Packets<S, N> {
         }
         Packet {
             first,
-            low: &self.lows[n],
+            line: &self.lines[n],
             pixels: &mut self.pixels[n],
             open: &mut self.open[n],
             paths: &self.paths[n],
             stops: &self.stops[n],
             covered: &mut self.covered[n],
+            is_cut: &mut self.is_cut[n],
             whole,
         }
     }
@@ -156,7 +160,8 @@ impl<S: Sampling, const N: usize> Packet<'_, S, N> {
                 left |= S::bits(*inside);
             }
         } else {
-            if self.covered.is_none() {
+            if !*self.is_cut {
+                *self.is_cut = true;
                 S::run(Cover {
                     scene,
                     first: self.first,
@@ -164,11 +169,10 @@ impl<S: Sampling, const N: usize> Packet<'_, S, N> {
                     covered: self.covered,
                 });
             }
-            let covered = self.covered.as_ref()?;
-            for n in 0..N {
-                let before_end = inside[n] & S::greater_int(covered[n].end, plane_of_each);
+            for (inside, covered) in inside.iter_mut().zip(&*self.covered) {
+                let before_end = *inside & S::greater_int(covered.end, plane_of_each);
                 left |= S::bits(before_end);
-                inside[n] = before_end & !S::greater_int(covered[n].begin, plane_of_each);
+                *inside = before_end & !S::greater_int(covered.begin, plane_of_each);
             }
         }
         (left != 0).then_some(inside)
@@ -192,7 +196,7 @@ impl<S: Sampling, K: Kind, const N: usize> Kernel<S> for March<'_, '_, S, K, N> 
     #[inline(always)]
     fn run(mut self) {
         let mut plane = *self.next;
-        let mut way = Way::new(self.packet.low, plane, &self.voxels.first);
+        let mut way = Way::new(self.packet.line, plane, &self.voxels.first);
         let mut shows = false;
         while plane < self.end {
             // Behind what shows, most often something shows.
@@ -263,16 +267,14 @@ fn blend<S: Sampling, K: Kind, const N: usize>(
     bundle: &Bundle<S, K, N>,
     samples: &Samples<S, N>,
 ) {
-    let mut vectors = BlockVectors::of(bundle.voxels);
-    let mut left = samples.any;
-    while left != 0 {
-        let n = if N == 1 { 0 } else { left.trailing_zeros() as usize };
-        left &= left - 1;
-        if let Some(sources) = classifier.sources(bundle, n, samples, &mut vectors) {
-            blend::under::<S>(blending, &mut pixels[n], &sources);
-            open[n] = open[n] & !blend::hidden::<S>(blending, &pixels[n]);
-        }
-    }
+    let mut normals = Normals::of(bundle.voxels);
+    // Each by itself, not in a loop: that it showed at the plane before tells the processor most of whether it does here.
+    each!(n of [0, 1, 2, 3] => if n < N && samples.any >> n & 1 == 1
+        && let Some(sources) = classifier.sources(bundle, n, samples, &mut normals)
+    {
+        blend::under::<S>(blending, &mut pixels[n], &sources);
+        open[n] = open[n] & !blend::hidden::<S>(blending, &pixels[n]);
+    });
 }
 
 /// The covered sampling points of a box, asked for by itself: few packets are cut.
@@ -280,29 +282,18 @@ struct Cover<'a, 'b, S: Sampling, const N: usize> {
     scene: &'a Scene<'b>,
     first: [u32; 2],
     cast_box: &'a CastBox<'b>,
-    covered: &'a mut Option<[Intervals<S>; N]>,
+    covered: &'a mut [Intervals<S>; N],
 }
 
 impl<S: Sampling, const N: usize> Kernel<S> for Cover<'_, '_, S, N> {
     #[inline(always)]
     fn run(self) {
-        *self.covered = Some(covered::<S, N>(self.scene, self.first, self.cast_box));
+        let bounds = &self.cast_box.shown.bounds;
+        let [low, high] = [bounds.min.to_array(), bounds.max.to_array()];
+        for (n, intervals) in self.covered.iter_mut().enumerate() {
+            *intervals = PacketRays::<S>::new(&self.scene.rays, first_of::<N>(self.first, n)).intervals(&low, &high);
+        }
     }
-}
-
-/// The covered sampling points of a box.
-#[inline(always)]
-fn covered<S: Sampling, const N: usize>(scene: &Scene, first: [u32; 2], cast_box: &CastBox) -> [Intervals<S>; N] {
-    let bounds = &cast_box.shown.bounds;
-    let [low, high] = [bounds.min.to_array(), bounds.max.to_array()];
-    let mut all = [Intervals {
-        begin: S::int(0),
-        end: S::int(0),
-    }; N];
-    for (n, intervals) in all.iter_mut().enumerate() {
-        *intervals = PacketRays::<S>::new(&scene.rays, first_of::<N>(first, n)).intervals(&low, &high);
-    }
-    all
 }
 
 /// What `f` makes of the first pixel of each vector of a packet.

@@ -1,10 +1,28 @@
 //! A frame in parts, each the work of one thread.
 
-use super::simd::{EDGE, RAYS};
+use std::sync::{Mutex, PoisonError};
+use std::vec;
+
+use super::simd::{EDGE, RAYS, each};
 use crate::image::Frame;
 
 /// Columns of a part: a few tiles are soon done, so that no thread waits long for another's last.
 const COLUMNS: usize = 64;
+
+/// The parts of a frame that no thread has taken yet.
+pub struct Parts<'a>(Mutex<vec::IntoIter<Pixels<'a>>>);
+
+impl<'a> Parts<'a> {
+    /// All of a frame's, as high as tiles of `tile` pixels are.
+    pub fn of(frame: &'a mut Frame, tile: usize) -> Self {
+        Self(Mutex::new(Pixels::parts(frame, tile).into_iter()))
+    }
+
+    /// The next one.
+    pub fn take(&self) -> Option<Pixels<'a>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).next()
+    }
+}
 
 /// The pixels of some tiles side by side.
 pub struct Pixels<'a> {
@@ -16,7 +34,7 @@ pub struct Pixels<'a> {
 
 impl<'a> Pixels<'a> {
     /// Those of a frame, in parts as high as tiles of `tile` pixels are.
-    pub fn of(frame: &'a mut Frame, tile: usize) -> Vec<Self> {
+    fn parts(frame: &'a mut Frame, tile: usize) -> Vec<Self> {
         let width = frame.width() as usize;
         let columns = width.div_ceil(COLUMNS);
         let mut parts = Vec::new();
@@ -43,20 +61,26 @@ impl<'a> Pixels<'a> {
     /// Writes what of a square of pixels is among them, the first one at `first`.
     #[inline(always)]
     pub fn write(&mut self, first: [u32; 2], square: &[[f32; 4]; RAYS]) {
-        let [column, row] = [0, 1].map(|axis| (first[axis] - self.first[axis]) as usize);
-        let rows = self.rows.iter_mut().skip(row);
-        for (row, pixels) in rows.zip(square.as_chunks::<EDGE>().0) {
-            match row.get_mut(column..column + EDGE) {
-                Some(whole) => whole.copy_from_slice(pixels),
-                None => write_some(row.get_mut(column..).unwrap_or_default(), pixels),
+        let [column, row] = each!(axis of [0, 1] => (first[axis] - self.first[axis]) as usize);
+        let (squares, _) = square.as_chunks::<EDGE>();
+        match self.rows.get_mut(row..row + EDGE) {
+            Some([a, b, c, d]) if column + EDGE <= a.len() => {
+                each!(row of [(a, 0), (b, 1), (c, 2), (d, 3)] => {
+                    row.0[column..column + EDGE].copy_from_slice(&squares[row.1]);
+                });
             }
+            _ => self.write_some([column, row], squares),
         }
     }
-}
 
-/// Writes what of a row of pixels there is room for.
-#[cold]
-#[inline(never)]
-fn write_some(row: &mut [[f32; 4]], pixels: &[[f32; 4]; EDGE]) {
-    row.copy_from_slice(&pixels[..row.len()]);
+    /// Writes what of a square there is room for.
+    #[cold]
+    #[inline(never)]
+    fn write_some(&mut self, [column, row]: [usize; 2], squares: &[[[f32; 4]; EDGE]]) {
+        for (row, pixels) in self.rows.iter_mut().skip(row).zip(squares) {
+            let there = row.get_mut(column..).unwrap_or_default();
+            let room = there.len().min(EDGE);
+            there[..room].copy_from_slice(&pixels[..room]);
+        }
+    }
 }

@@ -21,6 +21,23 @@ pub fn fixed(coordinate: f64) -> i64 {
     (coordinate * (1u64 << BITS) as f64).floor() as i64
 }
 
+/// The line that a packet's low corner is on.
+#[derive(Clone, Copy, Default)]
+pub struct Line {
+    /// Where it is at plane 0 along each axis, and how far it goes from plane to plane, voxels.
+    at: [[f64; 2]; 3],
+    step: Place,
+}
+
+impl Line {
+    /// At `at[axis][0] + k·at[axis][1]` at plane `k`, in lattice coordinates.
+    #[inline(always)]
+    pub fn new(at: [[f64; 2]; 3]) -> Self {
+        let step = each!(axis of [0, 1, 2] => fixed(at[axis][1]));
+        Self { at, step }
+    }
+}
+
 /// The low corner of a packet on its way from plane to plane, counted from a voxel.
 pub struct Way {
     pub at: Place,
@@ -28,16 +45,17 @@ pub struct Way {
 }
 
 impl Way {
-    /// Of a line that is at `line[axis][0] + k·line[axis][1]` at plane `k`, from `plane` on, counted from the lattice's voxel `first`.
+    /// On a line from `plane` on, counted from the lattice's voxel `first`.
     #[inline(always)]
-    pub fn new(line: &[[f64; 2]; 3], plane: i32, first: &[i32; 3]) -> Self {
+    pub fn new(line: &Line, plane: i32, first: &[i32; 3]) -> Self {
         let planes = plane % STRETCH;
         let from = f64::from(plane - planes);
         let mut way = Self {
             at: each!(axis of [0, 1, 2] => {
-                fixed(line[axis][0] + from * line[axis][1]).wrapping_sub(i64::from(first[axis]) << BITS)
+                let [origin, step] = line.at[axis];
+                fixed(origin + from * step).wrapping_sub(i64::from(first[axis]) << BITS)
             }),
-            step: each!(axis of [0, 1, 2] => fixed(line[axis][1])),
+            step: line.step,
         };
         way.go_on(planes);
         way

@@ -233,6 +233,17 @@ pub struct Intervals<S: Simd> {
     pub end: S::Int,
 }
 
+impl<S: Simd> Intervals<S> {
+    /// Of rays that meet nothing.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self {
+            begin: S::int(0),
+            end: S::int(0),
+        }
+    }
+}
+
 impl<S: Simd> PacketRays<S> {
     /// The rays of the vector whose first pixel is `first`; of pixels beyond the frame too.
     #[inline(always)]

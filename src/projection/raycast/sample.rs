@@ -2,7 +2,7 @@
 //!
 //! *Practice.* Where all cells of a bundle are among few voxels, those are read once for all its vectors, and else each cell's own. All that
 //! is between reading and classifying is in whole numbers of 16 bits, thirty-two at once: a number is interpolated along x, y and z
-//! and rounded each time, so samples among equal numbers are that number. Of vectors, which fewer samples ask for, all three parts are
+//! and rounded each time, so samples among equal numbers are that number. Of normals, which fewer samples ask for, all three parts are
 //! weighed by the same eight weights.
 
 use super::kind::Kind;
@@ -56,24 +56,20 @@ impl<'a, S: Sampling> Numbers<'a, S> {
     }
 }
 
-/// Vectors of a block, those round a bundle read when they are first asked for.
-pub struct Vectors<'a, S: Sampling> {
-    stored: &'a [[i16; 4]],
+/// Normals of a block, those round a bundle read when they are first asked for.
+pub struct Normals<'a, S: Sampling> {
+    stored: &'a [u32],
     few: Option<[S::Few; 3]>,
 }
 
-/// The vectors of a block: see [`CastBlock`].
-pub struct BlockVectors<'a, S: Sampling> {
-    pub rgb: Vectors<'a, S>,
-    pub normals: Vectors<'a, S>,
-}
-
-impl<'a, S: Sampling> BlockVectors<'a, S> {
+impl<'a, S: Sampling> Normals<'a, S> {
     /// None of them read.
     #[inline(always)]
     pub fn of(voxels: &Voxels<'a>) -> Self {
-        let [rgb, normals] = each!(stored of [voxels.rgb, voxels.normals] => Vectors { stored, few: None });
-        Self { rgb, normals }
+        Self {
+            stored: voxels.normals,
+            few: None,
+        }
     }
 }
 
@@ -142,20 +138,20 @@ impl<'a, S: Sampling, K: Kind, const N: usize> Bundle<'a, S, K, N> {
         S::sampled_apart([&first, &second], &within, vectors)
     }
 
-    /// The trilinear samples of the first three parts of vectors, those of vector `n` that are `shown`, in parts of
-    /// [`ALL_WEIGHTS`](super::simd::ALL_WEIGHTS) of what is stored.
+    /// The trilinear samples of normals, those of vector `n` that are `shown`, in parts of [`ONE_NORMAL`](super::simd::ONE_NORMAL) times
+    /// [`ALL_WEIGHTS`](super::simd::ALL_WEIGHTS).
     #[inline(always)]
-    pub fn vectors(&self, n: usize, vectors: &mut Vectors<S>, shown: S::Mask) -> [S::Float; 3] {
+    pub fn normals(&self, n: usize, normals: &mut Normals<S>, shown: S::Mask) -> [S::Float; 3] {
         let weights = S::weights::<N>(&self.within, n);
         if !self.moved.is_few::<K>() {
-            return S::apart_vectors(&self.apart(n), &weights, vectors.stored, shown);
+            return S::apart_normals(&self.apart(n), &weights, normals.stored, shown);
         }
-        let few = match &vectors.few {
+        let few = match &normals.few {
             Some(few) => few,
-            None => vectors.few.insert(S::few_vectors(
+            None => normals.few.insert(S::few_normals(
                 self.moved.first as usize,
                 self.voxels.strides,
-                vectors.stored,
+                normals.stored,
             )),
         };
         S::weighed::<N>(few, &self.cells, n, &weights)

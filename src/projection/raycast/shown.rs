@@ -234,7 +234,7 @@ mod tests {
             dims: dims.map(|n| n as i32),
             weighted: weighted.into(),
             coverage: Array::default(),
-            rgb: Array::default(),
+            rgb: Default::default(),
             normals: Array::default(),
         }
     }

@@ -9,7 +9,7 @@ use super::classify::Classifier;
 use super::gaps::FARTHEST;
 use super::kind::Kind;
 use super::packet::{COUNT, March, Packets};
-use super::pixels::Pixels;
+use super::pixels::Parts;
 use super::places::STRETCH;
 use super::rays::Rays;
 #[cfg(target_arch = "x86_64")]
@@ -40,27 +40,27 @@ pub struct Scene<'a> {
     pub stops: Option<&'a (dyn Fn([u32; 2]) -> i32 + Sync)>,
 }
 
-/// Casts the tiles that pixels are of, and writes those of squares that anything may cover.
-pub type Cast = fn(&Scene, &mut Pixels);
+/// Casts the tiles of parts that no other thread has taken, and writes the pixels of squares that anything may cover.
+pub type Cast = fn(&Scene, &Parts);
 
 /// By the widest vectors that the processor has, in packets of `N`.
-pub fn by_widest<K: Kind, const N: usize>(scene: &Scene, pixels: &mut Pixels) {
+pub fn by_widest<K: Kind, const N: usize>(scene: &Scene, parts: &Parts) {
     #[cfg(target_arch = "x86_64")]
     if Avx512::is_there() {
-        return Avx512::run(Tiles::<K, N>::new(scene, pixels));
+        return Avx512::run(Tiles::<K, N>::new(scene, parts));
     }
-    by_arrays::<K, N>(scene, pixels);
+    by_arrays::<K, N>(scene, parts);
 }
 
 /// By arrays, whatever vectors the processor has.
-pub fn by_arrays<K: Kind, const N: usize>(scene: &Scene, pixels: &mut Pixels) {
-    Portable::run(Tiles::<K, N>::new(scene, pixels));
+pub fn by_arrays<K: Kind, const N: usize>(scene: &Scene, parts: &Parts) {
+    Portable::run(Tiles::<K, N>::new(scene, parts));
 }
 
-/// Tiles side by side that are to be cast, in packets of `N` vectors.
+/// Tiles that are to be cast, in packets of `N` vectors. A thread has the same packets for all its tiles: there are 40 kB of them.
 struct Tiles<'a, 'b, 'c, K: Kind, const N: usize> {
     scene: &'a Scene<'b>,
-    pixels: &'a mut Pixels<'c>,
+    parts: &'a Parts<'c>,
     kind: PhantomData<K>,
 }
 
@@ -69,22 +69,24 @@ impl<S: Sampling, K: Kind, const N: usize> Kernel<S> for Tiles<'_, '_, '_, K, N>
     fn run(self) {
         let mut packets = Packets::<S, N>::new();
         let mut template = Template::<S, K, N>::new(&self.scene.rays, 0);
-        let [left, top] = self.pixels.first;
-        for column in (left..self.pixels.end()).step_by(tile(N)) {
-            packets.begin([column, top]);
-            for cast_box in self.scene.boxes {
-                cast(self.scene, [column, top], cast_box, (&mut packets, &mut template));
+        while let Some(mut pixels) = self.parts.take() {
+            let [left, top] = pixels.first;
+            for column in (left..pixels.end()).step_by(tile(N)) {
+                packets.begin([column, top]);
+                for cast_box in self.scene.boxes {
+                    cast(self.scene, [column, top], cast_box, (&mut packets, &mut template));
+                }
+                packets.write(&mut pixels);
             }
-            packets.write(self.pixels);
         }
     }
 }
 
 impl<'a, 'b, 'c, K: Kind, const N: usize> Tiles<'a, 'b, 'c, K, N> {
-    fn new(scene: &'a Scene<'b>, pixels: &'a mut Pixels<'c>) -> Self {
+    fn new(scene: &'a Scene<'b>, parts: &'a Parts<'c>) -> Self {
         Self {
             scene,
-            pixels,
+            parts,
             kind: PhantomData,
         }
     }
@@ -108,6 +110,9 @@ fn cast<S: Sampling, K: Kind, const N: usize>(
     let voxels = &scene.target.blocks[cast_box.block].voxels();
     let spans = Spans::<S>::new(&scene.rays, edge(N), first, cast_box);
     let approached = approach::<S>(scene, cast_box, voxels, &spans);
+    if S::bits(S::greater_int(spans.any[1], approached)) == 0 {
+        return;
+    }
     let first_voxel = S::int_array(first_voxels::<S>(voxels, &spans, approached));
     let mut next = S::int_array(approached);
     let ends = S::int_array(spans.any[1]);
@@ -116,23 +121,25 @@ fn cast<S: Sampling, K: Kind, const N: usize>(
     while let Some(nearest) = (0..COUNT).filter(|n| next[*n] < ends[*n]).map(|n| next[n]).min() {
         // All packets go on by a stretch before any goes on by the next: what they read stays in a processor's cache.
         let stretch_end = nearest - nearest % STRETCH + STRETCH;
-        for n in 0..COUNT {
-            let end_here = ends[n].min(stretch_end);
-            if next[n] < end_here {
-                // What the packet after this one comes to first is on its way while this one goes on.
-                if let Some(after) = (n + 1..COUNT).find(|n| next[*n] < ends[*n]) {
-                    S::ask_for_all(first_voxel[after] as usize, voxels.strides, voxels.weighted);
-                }
-                S::run(March {
-                    packet: packets.packet(scene, n, begin[n]..end[n]),
-                    scene,
-                    voxels,
-                    cast_box,
-                    template,
-                    next: &mut next[n],
-                    end: end_here,
-                });
+        let mut left =
+            S::bits(S::greater_int(spans.any[1], S::ints(next)) & S::greater_int(S::int(stretch_end), S::ints(next)));
+        while left != 0 {
+            let n = left.trailing_zeros() as usize;
+            left &= left - 1;
+            // What the packet after this one comes to first is on its way while this one goes on.
+            if left != 0 {
+                let after = left.trailing_zeros() as usize;
+                S::ask_for_all(first_voxel[after] as usize, voxels.strides, voxels.weighted);
             }
+            S::run(March {
+                packet: packets.packet(scene, n, begin[n]..end[n]),
+                scene,
+                voxels,
+                cast_box,
+                template,
+                next: &mut next[n],
+                end: ends[n].min(stretch_end),
+            });
         }
     }
 }

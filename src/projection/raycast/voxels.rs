@@ -1,8 +1,8 @@
 //! Blocks as rays sample them.
 //!
-//! *Practice.* Numbers are stored in 15 bits, so that differences are in 16, and vectors in 16, with signs: values are fractions of the
-//! target's value range times coverage, so nothing is scaled in a frame. Soft normals are made once, for all frames with one
-//! [`Shading::soft_gradient`](super::super::Shading::soft_gradient); they lie apart from values, of which many more are read.
+//! *Practice.* Numbers are stored in 15 bits, so that differences are in 16: values are fractions of the target's value range times coverage,
+//! so nothing is scaled in a frame. Soft normals are made once, for all frames with one
+//! [`Shading::soft_gradient`](super::super::Shading::soft_gradient), in 32 bits; they lie apart from values, of which many more are read.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -21,9 +21,6 @@ pub(super) const PER_ENTRY: i16 = 8;
 
 /// What is stored for 1.
 pub(super) const ONE: f32 = (PER_ENTRY as usize * (TransferTable::LEN - 1)) as f32;
-
-/// What is stored for a part of a normal of 1.
-pub(super) const ONE_NORMAL: f32 = 32767.0;
 
 /// A target ready to be cast.
 pub struct CastTarget {
@@ -67,9 +64,9 @@ pub(super) struct CastBlock {
     /// Likewise coverage; empty where it is 1 throughout.
     pub coverage: Array<i16>,
     /// Likewise red, green and blue times opacity and coverage in a target of colours, else empty.
-    pub rgb: Array<[i16; 4]>,
-    /// Soft normals in the world, in parts of [`ONE_NORMAL`]; empty if the target is not lit.
-    pub normals: Array<[i16; 4]>,
+    pub rgb: [Array<i16>; 3],
+    /// Soft normals in the world, [packed](super::simd::packed); empty if the target is not lit.
+    pub normals: Array<u32>,
 }
 
 /// The voxels of a [`CastBlock`], as they are read.
@@ -81,8 +78,8 @@ pub(super) struct Voxels<'a> {
     pub has_few: bool,
     pub weighted: &'a [i16],
     pub coverage: &'a [i16],
-    pub rgb: &'a [[i16; 4]],
-    pub normals: &'a [[i16; 4]],
+    pub rgb: [&'a [i16]; 3],
+    pub normals: &'a [u32],
 }
 
 impl Voxels<'_> {
@@ -192,7 +189,7 @@ impl CastBlock {
             has_few: self.has_few(),
             weighted: &self.weighted,
             coverage: &self.coverage,
-            rgb: &self.rgb,
+            rgb: self.rgb.each_ref().map(|part| part as &[i16]),
             normals: &self.normals,
         }
     }
@@ -205,7 +202,7 @@ impl CastBlock {
             dims: [EDGE as i32; 3],
             weighted: vec![stored(value); EDGE].into(),
             coverage: Array::default(),
-            rgb: Array::default(),
+            rgb: Default::default(),
             normals: Array::zeroed(if lit { EDGE } else { 0 }),
         }
     }
@@ -218,7 +215,6 @@ impl CastBlock {
             None => block_of.map(|n| stored(scale * voxels.premultiplied[n] + offset)),
             Some(c) => block_of.map(|n| stored(scale * voxels.premultiplied[n] + offset * c[n])),
         };
-        let colour = |[r, g, b]: [f32; 3]| [r, g, b, 0.0].map(stored);
         Self {
             first: block.origin.map(|n| n as i32 - Block::APRON as i32),
             strides: [dims[0], dims[0] * dims[1]],
@@ -228,9 +224,9 @@ impl CastBlock {
                 .coverage
                 .as_ref()
                 .map_or_else(Array::default, |c| block_of.map(|n| stored(c[n]))),
-            rgb: voxels
-                .rgb()
-                .map_or_else(Array::default, |rgb| block_of.map(|n| colour(rgb[n]))),
+            rgb: voxels.rgb().map_or_else(Default::default, |rgb| {
+                [0, 1, 2].map(|part| block_of.map(|n| stored(rgb[n][part])))
+            }),
             normals: normals.map_or_else(Array::default, |soft| {
                 voxel_normals(soft, target, block, voxels, [scale, offset])
             }),

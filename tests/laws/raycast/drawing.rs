@@ -35,7 +35,7 @@ pub fn drawing(spec: &FrameSpec) -> Drawing {
             sum_steps: (1.5 + 0.5) / ONE / Storage::STEP,
             // What comes of it is a number of single precision, and scaled.
             sum: 2.0 * ULP,
-            vectors: vectors(),
+            normals: normals(),
         },
         // Blended from the front, and rays end.
         bands: 2,
@@ -52,10 +52,11 @@ fn place_rounding() -> f64 {
     PART + (7.0 + 1.0) * FINE_PART
 }
 
-/// What a sample of vectors is off. It is weighed by eight weights in parts of 2^-15. Of the four that are the products of those along y and z, one
-/// is rounded to the nearest, and the others are what that leaves of 2^15 - 1: each is off by half a part. All are told in parts of 2^15 - 1, so
-/// each is more by as much of a part as it weighs, and the last one less by a part: 2 at most together. Each is divided between two that are rounded
-/// to the nearest. Together that is 4/2 + 2 + 8/2 parts.
-fn vectors() -> f64 {
-    8.0 / 32767.0
+/// What a part of a sample of normals is off. Of each normal it is off by half of what it is counted in, the last part by half a 511th, and what slices
+/// store by half a 32767th. It is weighed by eight weights in parts of 2^-15. Of the four that are the products of those along y and z, one is
+/// rounded to the nearest, and the others are what that leaves of 2^15 - 1: each is off by half a part. All are told in parts of 2^15 - 1, so
+/// each is more by as much of a part as it weighs, and the last one less by a part: 2 at most together. Each is divided between two that are
+/// rounded to the nearest. Together that is 4/2 + 2 + 8/2 parts.
+fn normals() -> f64 {
+    0.5 / 511.0 + 0.5 / 32767.0 + 8.0 / 32767.0
 }

@@ -1,5 +1,6 @@
 //! In registers of 512 bits.
 
+use std::arch::asm;
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
@@ -208,7 +209,7 @@ impl Simd for Avx512 {
         // SAFETY: no place is behind the last entry, which are four numbers each; the processor has AVX-512.
         unsafe {
             let places = _mm512_min_epu32(places.0, _mm512_set1_epi32(LEN as i32 - 1));
-            let places = Self::int_array(Int(places));
+            let places = one_by_one(_mm512_cvtepi32_epi16(places));
             let at = |n: usize| _mm_loadu_ps(table.as_ptr().cast::<f32>().add(4 * places[n] as usize));
             let [a, b, c, d] = each!(n of [0, 1, 2, 3] => {
                 let a = _mm512_castps128_ps512(at(n));
@@ -237,6 +238,25 @@ impl Simd for Avx512 {
             ])
         }
     }
+}
+
+/// Numbers of 16 bits, to be used one by one. They are taken out of the register four at a time: compilers would do so with each, by two operations
+/// of vectors, of which there are more than enough. Read from memory they are late: it waits for the whole register to be there.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn one_by_one(numbers: __m256i) -> [u16; RAYS] {
+    // SAFETY: a register is four times four numbers.
+    let fours = unsafe { std::mem::transmute::<__m256i, [u64; 4]>(numbers) };
+    let [a, b, c, d] = each!(n of [0, 1, 2, 3] => {
+        let mut four = fours[n];
+        // SAFETY: it does nothing, which the compiler is not told.
+        unsafe { asm!("/* {four} */", four = inout(reg) four, options(pure, nomem, nostack, preserves_flags)) };
+        each!(by of [0, 16, 32, 48] => (four >> by) as u16)
+    });
+    // SAFETY: four times four numbers are sixteen.
+    unsafe { std::mem::transmute::<[[u16; 4]; 4], [u16; RAYS]>([a, b, c, d]) }
 }
 
 /// The numbers of each quarter of four registers, transposed.

@@ -5,6 +5,7 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod normal;
 mod portable;
 mod sampling;
 
@@ -12,6 +13,7 @@ use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
+pub use normal::{ONE_NORMAL, packed};
 pub use portable::Portable;
 pub use sampling::{ALL_WEIGHTS, Apart, PAIRS, PART_BITS, Places, Sampling};
 

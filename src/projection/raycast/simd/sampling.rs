@@ -1,7 +1,7 @@
 //! What is sampled among voxels, by vectors.
 //!
 //! *Practice.* Numbers, of which all samples are asked for, are interpolated in whole numbers of 16 bits: there are thirty-two in a register of
-//! 512 bits, where of single precision there are sixteen. Vectors are asked for where something shows, sixteen at a time: eight
+//! 512 bits, where of single precision there are sixteen. Normals are asked for where something shows, sixteen at a time: eight
 //! weights are found once and serve all parts.
 
 use super::{EDGE, Simd};
@@ -12,7 +12,7 @@ pub const PAIRS: usize = 2;
 /// Bits of the parts of a voxel that samples are counted in: 16 but for two, which count [`EDGE`] voxels.
 pub const PART_BITS: u32 = 16 - EDGE.ilog2();
 
-/// What all weights of a sample of vectors sum up to, but for rounding, with its sign.
+/// What all weights of a sample of normals sum up to, but for rounding, with its sign.
 pub const ALL_WEIGHTS: f32 = -32767.0;
 
 /// Where the samples of two vectors are in cells.
@@ -56,8 +56,8 @@ pub trait Sampling: Simd {
     fn any_at_least(few: &Self::Few, least: i16) -> bool;
     /// The numbers of the few voxels of a packet from `corner` on, whose rows and planes are so far apart.
     fn few(corner: usize, strides: [usize; 2], numbers: &[i16]) -> Self::Few;
-    /// Likewise the first three parts of vectors.
-    fn few_vectors(corner: usize, strides: [usize; 2], vectors: &[[i16; 4]]) -> [Self::Few; 3];
+    /// Likewise the parts of normals, in parts of [`ONE_NORMAL`](super::ONE_NORMAL).
+    fn few_normals(corner: usize, strides: [usize; 2], normals: &[u32]) -> [Self::Few; 3];
     /// Where samples are that are so far from few voxels' first one along each axis, `low` and `parts` together, which wrap, in parts of
     /// [`PART_BITS`] bits.
     fn places(low: &[Self::Short; 3], parts: [i16; 3], vectors: usize) -> Places<Self>;
@@ -70,7 +70,7 @@ pub trait Sampling: Simd {
     /// `−(2¹⁵ − t)` and `−t`, since 16 bits hold no positive 2¹⁵; along y and z they are `yz = y·z/2¹⁵`, `z − yz`, `y − yz`, and what those leave of
     /// 2¹⁵ − 1. All products are such nearest numbers.
     fn weights<const N: usize>(within: &[[Self::Short; PAIRS]; 3], n: usize) -> [Self::Short; 4];
-    /// The trilinear samples of the parts of few vectors, of vector `n` of `N` of samples, by such weights.
+    /// The trilinear samples of the parts of few normals, of vector `n` of `N` of samples, by such weights.
     fn weighed<const N: usize>(
         few: &[Self::Few; 3],
         cells: &[Self::Short; PAIRS],
@@ -79,11 +79,11 @@ pub trait Sampling: Simd {
     ) -> [Self::Float; 3];
     /// Two numbers side by side on each of the four edges along x of each cell, the first in the low half; of cells beyond what is stored, any.
     fn apart_pairs(apart: &Apart<Self>, numbers: &[i16]) -> [Self::Int; 4];
-    /// The trilinear samples of the first three parts of vectors, by what pairs on the four edges weigh, those that are `shown`; of others, any.
-    fn apart_vectors(
+    /// The trilinear samples of the parts of normals, by what pairs on the four edges weigh, those that are `shown`; of others, any.
+    fn apart_normals(
         apart: &Apart<Self>,
         weights: &[Self::Short; 4],
-        vectors: &[[i16; 4]],
+        normals: &[u32],
         shown: Self::Mask,
     ) -> [Self::Float; 3];
 }

@@ -6,8 +6,8 @@
 
 use std::arch::x86_64::*;
 
-use super::super::{Apart, EDGE, PAIRS, PART_BITS, Places, RAYS, Sampling, Simd, each};
-use super::{Avx512, Float, Int, transposed};
+use super::super::{Apart, EDGE, PAIRS, PART_BITS, Places, RAYS, Sampling, Simd, each, normal};
+use super::{Avx512, Float, Int};
 
 #[derive(Clone, Copy)]
 pub struct Short(__m512i);
@@ -44,33 +44,13 @@ static TWICE: [i16; 32] = {
     words
 };
 
-/// The words of one part of 4² vectors of four, and of the next part behind them.
-const fn parts(first: i16) -> [i16; 32] {
-    let mut words = [0; 32];
-    let mut n = 0;
-    while n < 32 {
-        words[n] = (n % 16) as i16 * 4 + first + (n / 16) as i16;
-        n += 1;
-    }
-    words
-}
-
-static FIRST_PARTS: [i16; 32] = parts(0);
-static LAST_PARTS: [i16; 32] = parts(2);
-
-/// The bytes of two vectors, part by part.
-static PAIRED: [[u8; 4]; 4] = [[0, 1, 8, 9], [2, 3, 10, 11], [4, 5, 12, 13], [6, 7, 14, 15]];
-
-/// In each quarter the first of four lanes that are each a quarter's.
-static QUARTERS: [i32; RAYS] = [0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12];
-
 impl Sampling for Avx512 {
     type Short = Short;
     type Few = Few;
 
     operations! {
         fn shorts(first: Int, second: Int) -> Short {
-            Short(_mm512_permutex2var_epi16(first.0, _mm512_loadu_si512(EVEN.as_ptr().cast()), second.0))
+            Short(every_second(first.0, 0, second.0))
         }
         fn in_range(x: Short, ends: [i16; 2]) -> [u16; 2] {
             {
@@ -100,11 +80,8 @@ impl Sampling for Avx512 {
         }
         fn sampled_apart(pairs: [&[Int; 4]; 2], within: &[Short; 3], _vectors: usize) -> Short {
             {
-                let [even, odd] = each!(first of [0, 1] => {
-                    _mm512_add_epi16(_mm512_loadu_si512(EVEN.as_ptr().cast()), _mm512_set1_epi16(first))
-                });
                 let ends = each!(edge of [0, 1, 2, 3] => {
-                    each!(of of [even, odd] => _mm512_permutex2var_epi16(pairs[0][edge].0, of, pairs[1][edge].0))
+                    each!(first of [0, 1] => every_second(pairs[0][edge].0, first, pairs[1][edge].0))
                 });
                 between_all(ends, within)
             }
@@ -189,32 +166,21 @@ impl Sampling for Avx512 {
     }
 
     #[inline(always)]
-    fn few_vectors(corner: usize, strides: [usize; 2], vectors: &[[i16; 4]]) -> [Few; 3] {
-        let rows = rows(corner, strides, vectors);
-        // SAFETY: each row is four vectors, 32 bytes, and the words of `parts` are 64 bytes; the processor has AVX-512.
+    fn few_normals(corner: usize, strides: [usize; 2], normals: &[u32]) -> [Few; 3] {
+        let rows = rows(corner, strides, normals);
+        // SAFETY: each row is four normals, sixteen bytes; the processor has AVX-512.
         unsafe {
-            let first = _mm512_loadu_si512(FIRST_PARTS.as_ptr().cast());
-            let last = _mm512_loadu_si512(LAST_PARTS.as_ptr().cast());
-            // The parts of a plane: the first two, and the third.
             let planes = each!(z of [0, 1, 2, 3] => {
-                let [a, b] = each!(n of [4 * z, 4 * z + 2] => {
-                    let [low, high] = each!(row of [n, n + 1] => _mm256_loadu_si256(rows[row].cast()));
-                    _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
-                });
-                [
-                    _mm512_permutex2var_epi16(a, first, b),
-                    _mm512_permutex2var_epi16(a, last, b),
-                ]
+                let [a, b, c, d] = each!(n of [4 * z, 4 * z + 1, 4 * z + 2, 4 * z + 3] => _mm_loadu_si128(rows[n].cast()));
+                let ab = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(a), b);
+                let cd = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(c), d);
+                _mm512_inserti64x4::<1>(_mm512_castsi256_si512(ab), cd)
             });
-            let [x, z] = each!(part of [0, 1] => Few {
-                low: _mm512_shuffle_i64x2::<0x44>(planes[0][part], planes[1][part]),
-                high: _mm512_shuffle_i64x2::<0x44>(planes[2][part], planes[3][part]),
+            let [low, high] = each!(n of [0, 2] => {
+                let [low, high] = each!(first of [0, 1] => every_second(planes[n], first, planes[n + 1]));
+                normal_parts(high, low)
             });
-            let y = Few {
-                low: _mm512_shuffle_i64x2::<0xee>(planes[0][0], planes[1][0]),
-                high: _mm512_shuffle_i64x2::<0xee>(planes[2][0], planes[3][0]),
-            };
-            [x, y, z]
+            each!(part of [0, 1, 2] => Few { low: low[part], high: high[part] })
         }
     }
 
@@ -232,36 +198,62 @@ impl Sampling for Avx512 {
         })
     }
 
-    /// Four at a time, each in a quarter of registers.
     #[inline(always)]
-    fn apart_vectors(apart: &Apart<Self>, weights: &[Short; 4], vectors: &[[i16; 4]], shown: u16) -> [Float; 3] {
+    fn apart_normals(apart: &Apart<Self>, weights: &[Short; 4], normals: &[u32], shown: u16) -> [Float; 3] {
         let shown = Apart {
             voxels: Self::choose_int(shown, apart.voxels, Self::int(0)),
             strides: apart.strides,
         };
-        let (voxels, edges) = in_reach(&shown, vectors);
-        let sampled = each!(first of [0, 1, 2, 3] => {
-            // SAFETY: two vectors, 128 bits, are there from each place on, the words of `PAIRED` are 16 bytes; the processor has AVX-512.
+        let (voxels, edges) = in_reach(&shown, normals);
+        let pairs = each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
+            // SAFETY: two normals, 64 bits, are there from each place on; the processor has AVX-512.
             unsafe {
-                let quarters = _mm512_add_epi32(
-                    _mm512_loadu_si512(QUARTERS.as_ptr().cast()),
-                    _mm512_set1_epi32(first as i32),
-                );
-                let paired = _mm512_broadcast_i32x4(_mm_loadu_si128(PAIRED.as_ptr().cast()));
-                let here = each!(edge of [0, 1, 2, 3] => Short(_mm512_permutexvar_epi32(quarters, weights[edge].0)));
-                let pairs = each!(edge of [edges[0], edges[1], edges[2], edges[3]] => {
-                    let two = |n: usize| _mm_loadu_si128(edge.add(voxels[n] as usize).cast());
-                    let a = _mm512_castsi128_si512(two(first));
-                    let b = _mm512_inserti32x4::<1>(a, two(first + 4));
-                    let c = _mm512_inserti32x4::<2>(b, two(first + 8));
-                    _mm512_shuffle_epi8(_mm512_inserti32x4::<3>(c, two(first + 12)), paired)
+                let [first, second] = each!(half of [0, 8] => {
+                    let two = each!(n of [0, 1, 2, 3, 4, 5, 6, 7] => {
+                        edge.add(voxels[half + n] as usize).cast::<i64>().read_unaligned()
+                    });
+                    std::mem::transmute::<[i64; 8], __m512i>(two)
                 });
-                sum_of_products(pairs, &here).0
+                let [low, high] = each!(word of [0, 1] => every_second(first, word, second));
+                normal_parts(high, low)
             }
         });
         // SAFETY: the processor has AVX-512.
-        let [x, y, z, _] = unsafe { transposed(sampled) };
-        [Float(x), Float(y), Float(z)]
+        each!(part of [0, 1, 2] => unsafe { sum_of_products(each!(edge of [0, 1, 2, 3] => pairs[edge][part]), weights) })
+    }
+}
+
+/// Every second word of two registers, from the `first` of each on.
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn every_second(a: __m512i, first: i16, b: __m512i) -> __m512i {
+    // SAFETY: as above, and `EVEN` is a register long.
+    unsafe {
+        let words = _mm512_add_epi16(_mm512_loadu_si512(EVEN.as_ptr().cast()), _mm512_set1_epi16(first));
+        _mm512_permutex2var_epi16(a, words, b)
+    }
+}
+
+/// The parts of normals, of which these are the `high` and the `low` words: see [`normal::parts`].
+///
+/// # Safety
+/// The processor has AVX-512.
+#[inline(always)]
+unsafe fn normal_parts(high: __m512i, low: __m512i) -> [__m512i; 3] {
+    // SAFETY: as above.
+    unsafe {
+        let bits = _mm512_set1_epi16(normal::FIRST_BITS);
+        let (above, below) = (
+            _mm512_slli_epi16::<{ normal::SECOND }>(high),
+            _mm512_srli_epi16::<{ 16 - normal::SECOND }>(low),
+        );
+        [
+            _mm512_and_si512(high, bits),
+            _mm512_and_si512(_mm512_or_si512(above, below), bits),
+            _mm512_slli_epi16::<{ normal::THIRD }>(low),
+        ]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Sampling in arrays.
 
-use super::super::{Apart, EDGE, FEW, PAIRS, PART_BITS, Places, RAYS, Sampling, Simd};
+use super::super::{Apart, EDGE, FEW, PAIRS, PART_BITS, Places, RAYS, Sampling, Simd, normal};
 use super::{Mask, Portable, Sixteen};
 
 /// Those of two vectors. What is done with them is in functions of their own, over arrays: in place it would be more code than compilers
@@ -102,12 +102,13 @@ impl Sampling for Portable {
     }
 
     #[inline(always)]
-    fn few_vectors(corner: usize, strides: [usize; 2], vectors: &[[i16; 4]]) -> [Self::Few; 3] {
+    fn few_normals(corner: usize, strides: [usize; 2], normals: &[u32]) -> [Self::Few; 3] {
         let mut few = [[0; FEW]; 3];
-        for (n, row) in rows(corner, strides, vectors).enumerate() {
-            for (x, vector) in row.iter().enumerate() {
-                for part in 0..3 {
-                    few[part][EDGE * n + x] = vector[part];
+        for (n, row) in rows(corner, strides, normals).enumerate() {
+            for (x, normal) in row.iter().enumerate() {
+                let parts = normal::parts(*normal);
+                for (few, part) in few.iter_mut().zip(parts) {
+                    few[EDGE * n + x] = part;
                 }
             }
         }
@@ -134,17 +135,17 @@ impl Sampling for Portable {
 
     /// One after another.
     #[inline(always)]
-    fn apart_vectors(apart: &Apart<Self>, weights: &[Short; 4], vectors: &[[i16; 4]], shown: Mask) -> [Self::Float; 3] {
-        let edges = edges(apart.strides, vectors);
-        let mut all = [[0.0; 4]; RAYS];
+    fn apart_normals(apart: &Apart<Self>, weights: &[Short; 4], normals: &[u32], shown: Mask) -> [Self::Float; 3] {
+        let edges = edges(apart.strides, normals);
+        let mut all = [[0.0; 3]; RAYS];
         let mut left = Self::bits(shown);
         while left != 0 {
             let n = left.trailing_zeros() as usize % RAYS;
             let weights = [0, 1, 2, 3].map(|edge| pair(&weights[edge], n));
-            all[n] = vector(&edges, apart.voxels.0[n] as usize, &weights);
+            all[n] = normal(&edges, apart.voxels.0[n] as usize, &weights);
             left &= left - 1;
         }
-        [0, 1, 2].map(|part| Sixteen(all.map(|vector| vector[part])))
+        [0, 1, 2].map(|part| Sixteen(all.map(|normal| normal[part])))
     }
 }
 
@@ -258,16 +259,17 @@ fn pair(of: &Short, n: usize) -> [i16; 2] {
     [of.0[2 * n], of.0[2 * n + 1]]
 }
 
-/// The trilinear sample of vectors on the [`edges`] of cells, in that whose low corner is voxel `at`, as [`Simd::weighed`] does it.
+/// The trilinear sample of normals on the [`edges`] of cells, in that whose low corner is voxel `at`, as [`Simd::weighed`] does it.
 #[inline(always)]
-fn vector(edges: &[&[[i16; 4]]; 4], at: usize, weights: &[[i16; 2]; 4]) -> [f32; 4] {
-    let mut sums = [0i32; 4];
-    for (edge, &[first, second]) in edges.iter().zip(weights) {
+fn normal(edges: &[&[u32]; 4], at: usize, weights: &[[i16; 2]; 4]) -> [f32; 3] {
+    let mut sums = [0i32; 3];
+    for (edge, weights) in edges.iter().zip(weights) {
         // Two voxels side by side.
-        let pair: Option<&[[i16; 4]; 2]> = edge.get(at..).and_then(|rest| rest.first_chunk());
-        let pair: [i16; 8] = bytemuck::cast(pair.copied().unwrap_or_default());
-        for (c, sum) in sums.iter_mut().enumerate() {
-            *sum += i32::from(pair[c]) * i32::from(first) + i32::from(pair[c + 4]) * i32::from(second);
+        let pair: Option<&[u32; 2]> = edge.get(at..).and_then(|rest| rest.first_chunk());
+        for (normal, weight) in pair.copied().unwrap_or_default().into_iter().zip(weights) {
+            for (sum, part) in sums.iter_mut().zip(normal::parts(normal)) {
+                *sum += i32::from(part) * i32::from(*weight);
+            }
         }
     }
     sums.map(|sum| sum as f32)
